@@ -89,10 +89,15 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
                u * gather(view.corner_normals + 3 + axis, corners) +
                v * gather(view.corner_normals + 6 + axis, corners);
     };
-    const auto towards_eye = [&](const vec3 &n) { return n * pick(dot(n, ray.direction) > 0.0F, -1.0F, 1.0F); };
-    surface.normal = towards_eye(normalised({normal_axis(0), normal_axis(1), normal_axis(2)}));
-    surface.geometric_normal = towards_eye(normalised(
-        {Real::load_aligned(rays.hit.Ng_x), Real::load_aligned(rays.hit.Ng_y), Real::load_aligned(rays.hit.Ng_z)}));
+    // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by its
+    // own angle to the ray would flip it at the rim of smooth objects.
+    surface.normal = normalised({normal_axis(0), normal_axis(1), normal_axis(2)});
+    const vec3 face = normalised(
+        {Real::load_aligned(rays.hit.Ng_x), Real::load_aligned(rays.hit.Ng_y), Real::load_aligned(rays.hit.Ng_z)});
+    surface.geometric_normal = face * pick(dot(face, surface.normal) < 0.0F, -1.0F, 1.0F);
+    const Real side = pick(dot(surface.geometric_normal, ray.direction) > 0.0F, -1.0F, 1.0F);
+    surface.normal = surface.normal * side;
+    surface.geometric_normal = surface.geometric_normal * side;
     alignas(64) std::int32_t materials[LANES];
     for (int lane = 0; lane < LANES; ++lane) {
         materials[lane] = 3 * view.material[triangles[lane]];
