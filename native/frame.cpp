@@ -25,10 +25,12 @@ int film_turn(int x, int y) {
 struct Image {
     int width, height;
     std::vector<float> rgba;     // premultiplied
-    std::vector<float> surfaces; // luminance of the surfaces' part
+    std::vector<float> surfaces; // mean radiance of the surfaces, were there no smoke
+    std::vector<float> seen;     // the share of it that the smoke leaves
     std::vector<float> distance;
 
-    Image(int w, int h) : width(w), height(h), rgba(4 * pixels()), surfaces(pixels()), distance(pixels()) {}
+    Image(int w, int h)
+        : width(w), height(h), rgba(4 * pixels()), surfaces(pixels()), seen(pixels()), distance(pixels()) {}
     [[nodiscard]] std::size_t pixels() const {
         return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     }
@@ -54,32 +56,43 @@ void trace_row(const FrameView &view, const std::vector<FilmSample> &turns, Imag
             const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
                                       static_cast<std::size_t>(x0 + lane);
             float *rgba = image.rgba.data() + 4 * pixel;
-            image.surfaces[pixel] = 0.0F;
             for (int c = 0; c < 3; ++c) {
                 rgba[c] = light.radiance[c][lane];
-                image.surfaces[pixel] += light.surface[c][lane];
             }
+            image.surfaces[pixel] = light.surface[lane];
+            image.seen[pixel] = light.seen[lane];
             rgba[3] = light.alpha[lane];
             image.distance[pixel] = light.distance[lane];
         }
     }
 }
 
-// Whether the surfaces seen, or their shadows, change around a pixel by more than one sample can tell.
+// Whether surfaces or their shadows change around a pixel by more than one sample can tell. Filtering leaves a linear
+// ramp as it is, so what counts is how far a pixel is from the middle between two opposite neighbours: of that, what
+// shows through the smoke.
 bool is_edge(const Image &image, int x, int y) {
-    constexpr float CONTRAST = 0.02F;
-    float low = 1e30F, high = -1e30F, low_alpha = 1.0F, high_alpha = 0.0F;
-    for (int j = std::max(0, y - 1); j <= std::min(image.height - 1, y + 1); ++j) {
-        for (int i = std::max(0, x - 1); i <= std::min(image.width - 1, x + 1); ++i) {
-            const std::size_t pixel =
-                static_cast<std::size_t>(j) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(i);
-            low = std::min(low, image.surfaces[pixel]);
-            high = std::max(high, image.surfaces[pixel]);
-            low_alpha = std::min(low_alpha, image.rgba[4 * pixel + 3]);
-            high_alpha = std::max(high_alpha, image.rgba[4 * pixel + 3]);
+    constexpr float CONTRAST = 0.03F;
+    const auto at = [&image](int i, int j) {
+        return static_cast<std::size_t>(std::clamp(j, 0, image.height - 1)) * static_cast<std::size_t>(image.width) +
+               static_cast<std::size_t>(std::clamp(i, 0, image.width - 1));
+    };
+    const std::size_t centre = at(x, y);
+    const float *rgba = image.rgba.data() + 4 * centre;
+    const float brightness = (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
+    constexpr std::array<std::array<int, 2>, 4> WAYS = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+    for (const auto &[dx, dy] : WAYS) {
+        const std::size_t before = at(x - dx, y - dy), after = at(x + dx, y + dy);
+        const float bend = std::abs(image.surfaces[before] + image.surfaces[after] - 2.0F * image.surfaces[centre]);
+        const float seen = std::max({image.seen[before], image.seen[centre], image.seen[after]});
+        const float alpha = std::abs(image.rgba[4 * before + 3] - image.rgba[4 * after + 3]);
+        const bool rim = (image.distance[before] > 2.0F * image.distance[after] ||
+                          image.distance[after] > 2.0F * image.distance[before]) &&
+                         alpha > CONTRAST;
+        if (bend * seen > CONTRAST * (brightness + bend * seen) || rim) {
+            return true;
         }
     }
-    return high - low > CONTRAST * (high + low) || (high_alpha >= 1.0F && low_alpha < 1.0F - CONTRAST);
+    return false;
 }
 
 void refine_pixel(const FrameView &view, const std::vector<FilmSample> &samples, Image &image, int x, int y) {

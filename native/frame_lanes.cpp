@@ -89,10 +89,15 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
                u * gather(view.corner_normals + 3 + axis, corners) +
                v * gather(view.corner_normals + 6 + axis, corners);
     };
-    const auto towards_eye = [&](const vec3 &n) { return n * pick(dot(n, ray.direction) > 0.0F, -1.0F, 1.0F); };
-    surface.normal = towards_eye(normalised({normal_axis(0), normal_axis(1), normal_axis(2)}));
-    surface.geometric_normal = towards_eye(normalised(
-        {Real::load_aligned(rays.hit.Ng_x), Real::load_aligned(rays.hit.Ng_y), Real::load_aligned(rays.hit.Ng_z)}));
+    // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by its
+    // own angle to the ray would flip it at the rim of smooth objects.
+    surface.normal = normalised({normal_axis(0), normal_axis(1), normal_axis(2)});
+    const vec3 face = normalised(
+        {Real::load_aligned(rays.hit.Ng_x), Real::load_aligned(rays.hit.Ng_y), Real::load_aligned(rays.hit.Ng_z)});
+    surface.geometric_normal = face * pick(dot(face, surface.normal) < 0.0F, -1.0F, 1.0F);
+    const Real side = pick(dot(surface.geometric_normal, ray.direction) > 0.0F, -1.0F, 1.0F);
+    surface.normal = surface.normal * side;
+    surface.geometric_normal = surface.geometric_normal * side;
     alignas(64) std::int32_t materials[LANES];
     for (int lane = 0; lane < LANES; ++lane) {
         materials[lane] = 3 * view.material[triangles[lane]];
@@ -114,6 +119,38 @@ Real sun_visibility(const SurfaceView &view, const vec3 &point, const vec3 &towa
     valid_lanes(asked, valid);
     Rays<LANES>::occluded(valid, view.scene, rays);
     return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
+}
+
+// The sun as one packet's surfaces see it.
+struct SunLight {
+    Real cosine;     // between the shading normal and the sun, 0 for surfaces that face away
+    Real visibility; // T_opaque
+    Real column;     // column density of the smoke before the sun
+};
+
+SunLight sunlight(const FrameView &frame, const Packet &packet, const Ray &ray, const Surface &surface) {
+    SunLight light{0.0F, 0.0F, 0.0F};
+    if (!frame.sun.present) {
+        return light;
+    }
+    const vec3 towards =
+        normalised(broadcast(frame.sun.towards) + broadcast(frame.sun.across) * Real::load_aligned(packet.sun_x) +
+                   broadcast(frame.sun.up) * Real::load_aligned(packet.sun_y));
+    const Real cosine = dot(surface.normal, towards);
+    const Mask facing = surface.hit & (cosine > 0.0F) & (dot(surface.geometric_normal, towards) > 0.0F);
+    if (!xsimd::any(facing)) {
+        return light;
+    }
+    light.cosine = pick(facing, cosine, 0.0F);
+    const vec3 point = ray.origin + ray.direction * surface.distance;
+    // Start the shadow ray off the surface by a few rounding errors of the coordinates.
+    const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
+    light.visibility = sun_visibility(frame.surfaces, point + surface.geometric_normal * offset, towards, facing);
+    if (frame.smoke && frame.medium.present) {
+        const vec3 m = transform_point(frame.map.world_to_map, point);
+        light.column = column_density(frame.map, locate(frame.map, m.x, m.y), m.z);
+    }
+    return light;
 }
 
 struct Smoke {
@@ -176,61 +213,44 @@ void trace(const FrameView &frame, const Packet &packet, Light &light) {
     const Surface surface = first_surface(frame.surfaces, ray, active);
     surface.distance.store_aligned(light.distance);
 
-    Real rgb[3];
+    Real rgb[3]; // of the surface, before the smoke
     for (int i = 0; i < 3; ++i) {
         rgb[i] = frame.lit ? frame.background[i] : 0.0F;
     }
+    Real arriving[3] = {1.0F, 1.0F, 1.0F}; // transmittance of the map, T_map
     if (xsimd::any(surface.hit)) {
-        for (Real &channel : rgb) {
-            channel = pick(surface.hit, 0.0F, channel);
-        }
-    }
-    if (frame.sun.present && xsimd::any(surface.hit)) {
-        const vec3 towards =
-            normalised(broadcast(frame.sun.towards) + broadcast(frame.sun.across) * Real::load_aligned(packet.sun_x) +
-                       broadcast(frame.sun.up) * Real::load_aligned(packet.sun_y));
-        const Real cosine = dot(surface.normal, towards);
-        const Mask facing = surface.hit & (cosine > 0.0F) & (dot(surface.geometric_normal, towards) > 0.0F);
-        const vec3 point = ray.origin + ray.direction * surface.distance;
-        // Start the shadow ray off the surface by a few rounding errors of the coordinates.
-        const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
-        const Real visible = pick(
-            facing, sun_visibility(frame.surfaces, point + surface.geometric_normal * offset, towards, facing), 0.0F);
-        Real column = 0.0F;
-        if (frame.smoke && frame.medium.present && xsimd::any(facing)) {
-            const vec3 m = transform_point(frame.map.world_to_map, point);
-            column = column_density(frame.map, locate(frame.map, m.x, m.y), m.z);
-        }
+        const SunLight sun = sunlight(frame, packet, ray, surface);
         const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
         for (int i = 0; i < 3; ++i) {
             const Real reflected =
-                frame.lit ? diffuse_reflection(albedos[i], cosine) * frame.sun.irradiance[i] : max(cosine, 0.0F);
-            const Real map = transmittance_of(column * frame.medium.extinction[i]);
-            rgb[i] = pick(surface.hit, reflected * visible * map, rgb[i]);
+                frame.lit ? diffuse_reflection(albedos[i], sun.cosine) * frame.sun.irradiance[i] : sun.cosine;
+            rgb[i] = pick(surface.hit, sun.visibility * reflected, rgb[i]);
+            arriving[i] = transmittance_of(sun.column * frame.medium.extinction[i]);
         }
     }
-    Smoke smoke;
+    ((rgb[0] + rgb[1] + rgb[2]) * (1.0F / 3.0F)).store_aligned(light.surface);
     if (!frame.smoke || !frame.medium.present) {
         for (int i = 0; i < 3; ++i) {
-            rgb[i].store_aligned(light.surface[i]);
             rgb[i].store_aligned(light.radiance[i]);
         }
         pick(surface.hit, 1.0F, 0.0F).store_aligned(light.alpha);
+        Real(1.0F).store_aligned(light.seen);
         return;
     }
     const bool grey = frame.medium.lit.channels == 2;
-    smoke = grey ? march<1>(frame.medium, ray, surface.distance, active)
-                 : march<3>(frame.medium, ray, surface.distance, active);
+    const Smoke smoke = grey ? march<1>(frame.medium, ray, surface.distance, active)
+                             : march<3>(frame.medium, ray, surface.distance, active);
     const Real phase = henyey_greenstein(dot(broadcast(frame.sun.towards), ray.direction), frame.medium.anisotropy);
-    Real through = 0.0F;
+    Real through = 0.0F, seen = 0.0F;
     for (int i = 0; i < 3; ++i) {
-        const Real seen = rgb[i] * smoke.transmittance[i];
-        seen.store_aligned(light.surface[i]);
         const float source = frame.sun.irradiance[i] * frame.medium.albedo[i];
-        (seen + phase * source * smoke.scattered[i]).store_aligned(light.radiance[i]);
+        const Real left = smoke.transmittance[i] * arriving[i];
+        (rgb[i] * left + phase * source * smoke.scattered[i]).store_aligned(light.radiance[i]);
         through = through + smoke.transmittance[i] * (1.0F / 3.0F);
+        seen = max(seen, left);
     }
     pick(surface.hit, 1.0F, 1.0F - through).store_aligned(light.alpha);
+    seen.store_aligned(light.seen);
 }
 
 } // namespace sfumato::SFUMATO_ISA

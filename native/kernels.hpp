@@ -117,8 +117,9 @@ struct Packet {
 struct Light {
     alignas(64) float radiance[3][MAX_LANES];
     alignas(64) float alpha[MAX_LANES];
-    alignas(64) float surface[3][MAX_LANES]; // the part of the radiance that comes from surfaces
-    alignas(64) float distance[MAX_LANES];   // to the first surface, or the ray's reach
+    alignas(64) float surface[MAX_LANES];  // mean radiance of the surface, were there no smoke
+    alignas(64) float seen[MAX_LANES];     // the share of it that the smoke leaves
+    alignas(64) float distance[MAX_LANES]; // to the first surface, or the ray's reach
 };
 
 struct Kernels {
