@@ -25,7 +25,11 @@ bl_info = {
 def __getattr__(name: str) -> Any:
     if name.startswith("__"):
         raise AttributeError(name)
-    return getattr(core.module(), name)
+    # AttributeError whatever is wrong: `from . import scene`, too, asks here before it looks for a file.
+    try:
+        return getattr(core.module(), name)
+    except core.Missing as error:
+        raise AttributeError(f"{__name__}.{name}: {error}") from error
 
 
 def register() -> None:
