@@ -33,19 +33,15 @@ SHADOW_STRENGTH = 0.8
 # The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
 OPAQUE_DEPTH = 12.0
 
-# Smoke that takes less than this off any ray may be stepped over.
-NEGLIGIBLE_DEPTH = 1e-4
-
-BRICK = 4  # cells along the edge of a brick, the unit in which empty space is skipped
-FARTHEST_BRICK = 16  # the longest way that is known to be clear, in bricks
+BRICK = 4  # cells along the edge of a brick of LitMedium.clearance
 
 PICTURES_KEPT = 8  # a quad view has four
 
 # Arguments of sfumato.Frame.
 QUALITY = {
-    "DRAFT": {"coefficients": 15, "map_scale": 0.5, "step_scale": 2.0},
-    "PREVIEW": {"coefficients": 31, "map_scale": 1.0, "step_scale": 1.0},
-    "FINAL": {"coefficients": 63, "map_scale": 2.0, "step_scale": 0.5},
+    "DRAFT": {"coefficients": 15, "texels_per_cell": 0.5, "steps_per_cell": 0.5},
+    "PREVIEW": {"coefficients": 31, "texels_per_cell": 1.0, "steps_per_cell": 1.0},
+    "FINAL": {"coefficients": 63, "texels_per_cell": 2.0, "steps_per_cell": 2.0},
 }
 
 
@@ -90,7 +86,7 @@ def _smoke_shader(colours: int, overlay: bool) -> Any:
         info.uniform_buf(0, "SmokeView", "view")
         info.sampler(0, "FLOAT_2D", "surfaces")
         info.sampler(1, "FLOAT_3D", "lit_volume")
-        info.sampler(2, "FLOAT_3D", "bricks")
+        info.sampler(2, "FLOAT_3D", "clearance")
         info.sampler(3, "FLOAT_2D_ARRAY", "light_map")
 
     shared = ["camera.glsl", "opacity.glsl", "phase.glsl", "medium.glsl"]
@@ -120,35 +116,6 @@ def _texture(size: tuple[int, ...], channels: str, data: np.ndarray, layers: int
     return gpu.types.GPUTexture(size, layers=layers, format=f"{channels}32F", data=buffer)
 
 
-def brick_distances(occupied: np.ndarray) -> np.ndarray:
-    """How far the nearest occupied brick is, along the farthest axis, at most FARTHEST_BRICK.
-
-    `occupied` is (nz, ny, nx) bool, one per cell. A brick counts as occupied if any sample inside it, which reaches one
-    cell over its faces, would find smoke. Returns (bz, by, bx) float32.
-    """
-    padded = np.pad(occupied, 1)
-    for axis in range(3):  # a sample anywhere in a cell reads that cell and its neighbours
-        low, middle, high = (np.take(padded, np.arange(i, padded.shape[axis] - 2 + i), axis) for i in range(3))
-        padded = low | middle | high
-    fill = [(0, -size % BRICK) for size in occupied.shape]
-    bricks = np.pad(padded, fill)
-    z, y, x = (size // BRICK for size in bricks.shape)
-    near = bricks.reshape(z, BRICK, y, BRICK, x, BRICK).any(axis=(1, 3, 5))
-    distance = np.zeros(near.shape, np.float32)
-    for _ in range(FARTHEST_BRICK):
-        if near.all():
-            break
-        distance += ~near
-        for axis in range(3):
-            grown = near.copy()
-            ahead, behind = [slice(None)] * 3, [slice(None)] * 3
-            ahead[axis], behind[axis] = slice(1, None), slice(None, -1)
-            grown[tuple(ahead)] |= near[tuple(behind)]
-            grown[tuple(behind)] |= near[tuple(ahead)]
-            near = grown
-    return distance
-
-
 def light_map_layers(light_map: np.ndarray) -> np.ndarray:
     """(h, w, 1+2m) coefficients a0, a1, b1, ... as (layers, h, w, 4): a_2j, b_2j, a_2j+1, b_2j+1, with b_0 = 0."""
     height, width, coefficients = light_map.shape
@@ -164,46 +131,31 @@ class _Smoke:
 
     def __init__(self, frame: Any) -> None:
         self.frame = frame  # kept: its identity is the key
-        medium, sun = frame.medium, frame.sun
-        empty = medium is None
-        volume = np.zeros((1, 1, 1, 2), np.float32) if empty else np.asarray(medium.lit_volume, np.float32)
-        extinction = np.zeros(3) if empty else np.asarray(medium.extinction, float)
-        self.colours = 1 if np.ptp(extinction) <= 1e-6 * extinction.max() else 3
-
-        grid_to_world = np.eye(4) if empty else np.asarray(medium.grid_to_world, float)
-        size = np.array(volume.shape[2::-1], float)
-        diagonal = float(np.linalg.norm(grid_to_world[:3, :3] @ size))
-        negligible = 0.0 if empty else NEGLIGIBLE_DEPTH / max(float(extinction.max()) * diagonal, 1e-20)
-        distances = brick_distances(volume[..., 0] > negligible)
-
-        shaded = not empty and sun is not None
-        light_map = np.asarray(medium.light_map, np.float32) if shaded else np.zeros((1, 1, 1), np.float32)
-        world_to_map = np.asarray(medium.world_to_map, float) if shaded else np.zeros((4, 4))
+        # Where there is no smoke, or no light on it, one empty cell stands in: the shader has one case less.
+        volume, clearance = np.zeros((1, 1, 1, 2), np.float32), np.zeros((1, 1, 1), np.float32)
+        light_map = np.zeros((1, 1, 1), np.float32)
+        uniforms = np.zeros((17, 4), np.float32)  # SmokeView; the rows that the camera decides stay empty
+        uniforms[13, 3] = frame.step_length
+        if frame.medium is not None:
+            medium = frame.medium
+            volume, clearance = medium.lit_volume, medium.clearance
+            uniforms[6:9] = np.linalg.inv(medium.grid_to_world)[:3]
+            uniforms[12] = (*medium.extinction, medium.anisotropy)
+            if frame.light_map is not None:
+                light_map = frame.light_map.coefficients
+                direction, irradiance, _angle = frame.sun
+                uniforms[9:12] = frame.light_map.world_to_map[:3]
+                uniforms[13, :3] = irradiance * medium.albedo
+                uniforms[14] = (*direction, SHADOW_STRENGTH)
+        nz, ny, nx, channels = volume.shape
+        uniforms[15] = (nx, ny, nz, 1.0 / BRICK)
+        uniforms[16, 2] = (light_map.shape[2] - 1) // 2
+        self.uniforms = uniforms
+        self.colours = channels - 1
+        self.lit_volume = _texture((nx, ny, nz), "RG" if channels == 2 else "RGBA", volume)
+        self.clearance = _texture(clearance.shape[::-1], "R", clearance)
         layers = light_map_layers(light_map)
-
-        nz, ny, nx = volume.shape[:3]
-        self.lit_volume = _texture((nx, ny, nz), "RG", volume)
-        self.bricks = _texture(distances.shape[::-1], "R", distances)
-        self.light_map = _texture((layers.shape[2], layers.shape[1]), "RGBA", layers, layers=layers.shape[0])
-
-        # The rows of SmokeView that do not depend on the camera.
-        uniforms = np.zeros((18, 4), np.float32)
-        uniforms[6:9] = np.linalg.inv(grid_to_world)[:3]
-        uniforms[9:12] = world_to_map[:3]
-        uniforms[12, :3] = extinction
-        if not empty:
-            uniforms[12, 3] = medium.anisotropy
-            uniforms[13, 3] = medium.step_length
-        else:
-            uniforms[13, 3] = 1.0
-        if shaded:
-            direction, irradiance, _angle = sun
-            uniforms[13, :3] = np.asarray(irradiance, float) * np.asarray(medium.albedo, float)
-            uniforms[14, :3] = direction
-        uniforms[14, 3] = SHADOW_STRENGTH
-        uniforms[15] = (*size, negligible)
-        uniforms[16] = (0.0, 0.0, (light_map.shape[2] - 1) // 2, BRICK)
-        self.uniforms = uniforms[:17]
+        self.light_map = _texture(layers.shape[2:0:-1], "RGBA", layers, layers=layers.shape[0])
 
     def uniform_buffer(self, corners: np.ndarray, width: int, height: int) -> Any:
         import gpu
@@ -254,7 +206,7 @@ class Painter:
     def __init__(self) -> None:
         self._shaders: dict[Any, Any] = {}
         self._failures: dict[Any, str] = {}
-        self._smoke: dict[bool, _Smoke] = {}
+        self._smoke: dict[bool, _Smoke] = {}  # the overlay's, and the Rendered view's: their frames differ
         self._pictures: OrderedDict[Any, _Picture] = OrderedDict()
         self._triangle: Any = None
 
@@ -310,7 +262,7 @@ class Painter:
             shader.uniform_block("view", uniforms)
             shader.uniform_sampler("surfaces", surfaces)
             shader.uniform_sampler("lit_volume", smoke.lit_volume)
-            shader.uniform_sampler("bricks", smoke.bricks)
+            shader.uniform_sampler("clearance", smoke.clearance)
             shader.uniform_sampler("light_map", smoke.light_map)
             self._draw(shader)
         return _Picture(key, frame, targets[0], targets[1] if overlay else None, buffer)

@@ -3,8 +3,8 @@
 //
 // Textures (viewport.py makes them):
 //   surfaces    radiance without smoke, or with OVERLAY the cosine of the visible sun; alpha: distance along the ray
-//   lit_volume  density; column density towards the sun
-//   bricks      how many bricks away the nearest smoke is, along the farthest axis; zero within smoke
+//   lit_volume  density; the share of the sun that arrives, for each of COLOURS
+//   clearance   for each brick of the volume: negative where smoke may be met, else how many cells are empty around it
 //   light_map   layer j holds a_2j, b_2j, a_2j+1, b_2j+1, where b_0 = 0
 //
 // Variants:
@@ -54,17 +54,6 @@ float column_density(vec3 place)
   return clamp_optical_depth(column, a0);
 }
 
-// How far a ray can surely go from a place in grid space before it meets smoke, in metres. `slope` is metres per cell.
-float clear_distance(vec3 place, vec3 slope)
-{
-  float edge = view.screen.w;
-  vec3 brick = clamp(floor(place / edge), vec3(0.0f), ceil(view.grid.xyz / edge) - 1.0f);
-  float away = texelFetch(bricks, ivec3(brick), 0).x;
-  vec3 wall = brick + mix(vec3(1.0f - away), vec3(away), step(0.0f, slope));
-  vec3 t = (wall * edge - place) * slope;
-  return pick(away > 0.5f, min(min(t.x, t.y), t.z), 0.0f);
-}
-
 void main()
 {
   vec2 uv = gl_FragCoord.xy / view.screen.xy;
@@ -90,24 +79,24 @@ void main()
   if (stretch > 0.0f) {
     float steps = march_steps(stretch, view.source.w);
     float dt = stretch / steps;
-    vec3 slope = 1.0f / (direction + 1e-12f * vec3(equal(direction, vec3(0.0f))));
+    float speed = max(max(abs(direction.x), abs(direction.y)), abs(direction.z)) * dt; // cells a step
+    ivec3 last_brick = textureSize(clearance, 0) - 1;
     float k = 0.0f;
     float clearest = 0.0f;
     while (k < steps && clearest < OPAQUE_DEPTH) {
       vec3 place = origin + direction * (interval.near_t + (k + 0.5f) * dt);
-      vec2 lit = textureLod(lit_volume, place / view.grid.xyz, 0.0f).xy;
-      if (lit.x > view.grid.w) {
+      vec4 lit = textureLod(lit_volume, place / view.grid.xyz, 0.0f);
+      if (lit.x > 0.0f) {
+        clearest = 1e30f;
         for (int c = 0; c < COLOURS; ++c) {
-          march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, view.extinction[c] * lit.y);
-        }
-        clearest = march[0].optical_depth;
-        for (int c = 1; c < COLOURS; ++c) {
+          march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, lit[c + 1]);
           clearest = min(clearest, march[c].optical_depth);
         }
         k += 1.0f;
       }
       else {
-        k += max(ceil(clear_distance(place, slope) / dt - 1e-3f), 1.0f);
+        ivec3 brick = clamp(ivec3(place * view.grid.w), ivec3(0), last_brick);
+        k += 1.0f + floor(max(texelFetch(clearance, brick, 0).x, 0.0f) / speed);
       }
     }
   }
