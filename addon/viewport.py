@@ -105,6 +105,17 @@ def _composite_shader() -> Any:
     return _compile("composite", declare, ["viewport/composite_fragment.glsl"])
 
 
+def _background_shader() -> Any:
+    def declare(info: Any) -> None:
+        info.push_constant("FLOAT", "gain")
+        info.push_constant("VEC3", "background")
+        info.sampler(0, "FLOAT_2D", "radiance")
+        info.sampler(1, "FLOAT_2D", "transmittance")
+        info.fragment_out(0, "VEC4", "colour")
+
+    return _compile("background", declare, ["viewport/background_fragment.glsl"])
+
+
 # Textures -----------------------------------------------------------------------------------------------------------
 
 
@@ -280,6 +291,20 @@ class Painter:
             shader.uniform_float("least_alpha", least_alpha)
             self._draw(shader)
 
+    def dim_background(self, picture: _Picture, gain: float, background: tuple[float, float, float]) -> None:
+        """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""
+        import gpu
+
+        shader = self._shader("background", _background_shader)
+        with _plain_state():
+            gpu.state.blend_set("MULTIPLY")
+            shader.bind()
+            shader.uniform_sampler("radiance", picture.radiance)
+            shader.uniform_sampler("transmittance", picture.transmittance)
+            shader.uniform_float("gain", gain)
+            shader.uniform_float("background", background)
+            self._draw(shader)
+
 
 _painter: Painter | None = None
 
@@ -362,9 +387,12 @@ class _Overlay:
                 return
             view, matrix, width, height = _view_of(context)
             picture = painter().picture(view, frame, matrix, width, height, overlay=True)
+            exposure = 2.0**context.scene.view_settings.exposure
+            gain = 1.0 if _blender_applies_exposure(context.space_data.shading) else exposure
             with target.bind():
                 painter().composite(picture.transmittance, "MULTIPLY", 1.0, 1.0)
-                painter().composite(picture.radiance, "ADDITIVE_PREMULT", _exposure_gain(context), 0.0)
+                painter().composite(picture.radiance, "ADDITIVE_PREMULT", gain, 0.0)
+            painter().dim_background(picture, exposure, _background(context))
 
     def _current_frame(self, context: bpy.types.Context) -> Any:
         key = (context.scene.as_pointer(), context.view_layer.name, context.scene.sfumato.quality)
@@ -388,11 +416,20 @@ class _Overlay:
             self.message = message
 
 
-def _exposure_gain(context: bpy.types.Context) -> float:
+def _blender_applies_exposure(shading: bpy.types.View3DShading) -> bool:
     """Blender applies the scene's exposure only in views that are lit by the scene; our smoke always is."""
+    return shading.type == "MATERIAL" and (shading.use_scene_lights or shading.use_scene_world)
+
+
+def _background(context: bpy.types.Context) -> tuple[float, float, float]:
+    """The viewport's background, linear; of a gradient its upper end."""
     shading = context.space_data.shading
-    lit_by_scene = shading.type == "MATERIAL" and (shading.use_scene_lights or shading.use_scene_world)
-    return 1.0 if lit_by_scene else 2.0**context.scene.view_settings.exposure
+    if shading.background_type == "VIEWPORT":
+        return tuple(shading.background_color)
+    if shading.background_type == "WORLD" and context.scene.world is not None:
+        return tuple(context.scene.world.color)
+    theme = context.preferences.themes[0].view_3d.space.gradients.high_gradient
+    return tuple(theme.from_srgb_to_scene_linear())
 
 
 _overlay: _Overlay | None = None

@@ -9,7 +9,8 @@
 //
 // Variants:
 //   COLOURS     1 where all colours have the same extinction, so that one march serves them, else 3
-//   OVERLAY     the surfaces are Blender's own picture: all we can do is multiply it by `transmittance` and add `radiance`
+//   OVERLAY     the surfaces are Blender's own picture: it is multiplied by `transmittance`, whose alpha tells
+//               surfaces (1) from background (0), and `radiance` is added
 
 vec3 spread(float value[COLOURS])
 {
@@ -85,18 +86,18 @@ void main()
     float clearest = 0.0f;
     while (k < steps && clearest < OPAQUE_DEPTH) {
       vec3 place = origin + direction * (interval.near_t + (k + 0.5f) * dt);
-      vec4 lit = textureLod(lit_volume, place / view.grid.xyz, 0.0f);
-      if (lit.x > 0.0f) {
-        clearest = 1e30f;
-        for (int c = 0; c < COLOURS; ++c) {
-          march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, lit[c + 1]);
-          clearest = min(clearest, march[c].optical_depth);
-        }
-        k += 1.0f;
+      ivec3 brick = clamp(ivec3(place * view.grid.w), ivec3(0), last_brick);
+      float clear = texelFetch(clearance, brick, 0).x;
+      k += 1.0f;
+      if (clear >= 0.0f) {
+        k += floor(clear / speed);
+        continue;
       }
-      else {
-        ivec3 brick = clamp(ivec3(place * view.grid.w), ivec3(0), last_brick);
-        k += 1.0f + floor(max(texelFetch(clearance, brick, 0).x, 0.0f) / speed);
+      vec4 lit = textureLod(lit_volume, place / view.grid.xyz, 0.0f);
+      clearest = OPAQUE_DEPTH;
+      for (int c = 0; c < COLOURS; ++c) {
+        march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, lit[c + 1]);
+        clearest = min(clearest, march[c].optical_depth);
       }
     }
   }
@@ -123,7 +124,7 @@ void main()
   float phase = henyey_greenstein(dot(view.sun.xyz, -ray.direction), view.extinction.w);
   vec3 smoke = view.source.xyz * phase * spread(scattered);
 #ifdef OVERLAY
-  transmittance = vec4(spread(to_eye) * (1.0f - view.sun.w * surface.x * (1.0f - spread(to_sun))), 1.0f);
+  transmittance = vec4(spread(to_eye) * (1.0f - view.sun.w * surface.x * (1.0f - spread(to_sun))), pick(hit, 1.0f, 0.0f));
   radiance = vec4(smoke, 0.0f);
 #else
   float alpha = 1.0f - dot(spread(to_eye), vec3(1.0f / 3.0f));
