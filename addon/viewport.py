@@ -23,7 +23,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from . import core, scene
+from . import core, log, props, scene
 
 SHADING_TYPES = ("SOLID", "MATERIAL")  # where the overlay draws
 
@@ -36,13 +36,6 @@ OPAQUE_DEPTH = 12.0
 BRICK = 4  # cells along the edge of a brick of LitMedium.clearance
 
 PICTURES_KEPT = 8  # a quad view has four
-
-# Arguments of sfumato.Frame.
-QUALITY = {
-    "DRAFT": {"coefficients": 15, "texels_per_cell": 0.5, "steps_per_cell": 0.5},
-    "PREVIEW": {"coefficients": 31, "texels_per_cell": 1.0, "steps_per_cell": 1.0},
-    "FINAL": {"coefficients": 63, "texels_per_cell": 2.0, "steps_per_cell": 2.0},
-}
 
 
 # Shaders ------------------------------------------------------------------------------------------------------------
@@ -263,7 +256,7 @@ class Painter:
             smoke = self._smoke[overlay] = _Smoke(frame)
         shader = self._shader((smoke.colours, overlay), lambda: _smoke_shader(smoke.colours, overlay))
 
-        camera = core.native().Camera(matrix)
+        camera = core.module().Camera(matrix)
         surfaces = _texture((width, height), "RGBA", frame.surfaces(camera, width, height, lit=not overlay))
         targets = [gpu.types.GPUTexture((width, height), format="RGBA16F") for _ in range(2 if overlay else 1)]
         buffer = gpu.types.GPUFrameBuffer(color_slots=targets)
@@ -348,8 +341,6 @@ class _Overlay:
 
     def __init__(self) -> None:
         self.dirty = True
-        self.message = ""
-        self.notices: list[str] = []
         self._frame: Any = None
         self._frame_key: tuple[Any, ...] = ()
         self._target: Any = None
@@ -369,8 +360,7 @@ class _Overlay:
         self._target = None
         with self._reporting():
             context = bpy.context
-            settings = context.scene.sfumato
-            if settings.viewport_enabled and context.space_data.shading.type in SHADING_TYPES:
+            if props.of(context.scene).viewport_enabled and context.space_data.shading.type in SHADING_TYPES:
                 import gpu
 
                 self._target = gpu.state.active_framebuffer_get()
@@ -395,25 +385,22 @@ class _Overlay:
             painter().dim_background(picture, exposure, _background(context))
 
     def _current_frame(self, context: bpy.types.Context) -> Any:
-        key = (context.scene.as_pointer(), context.view_layer.name, context.scene.sfumato.quality)
+        key = (context.scene.as_pointer(), context.view_layer.name, props.of(context.scene).quality)
         if self.dirty or key != self._frame_key:
             self.dirty, self._frame_key, self._frame = False, key, None  # a failure waits for the next change
             export = scene.export(context.evaluated_depsgraph_get())
-            self.notices = list(export.notices)
-            self._frame = core.native().Frame(export.scene, **QUALITY[context.scene.sfumato.quality])
-            self.message = ""
+            quality = props.QUALITIES[props.of(context.scene).quality]
+            self._frame = core.module().Frame(export.scene, **quality.frame)
+            log.replace("viewport", export.notices)
         return self._frame
 
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:
-        """An exception in a draw callback would come back with every redraw: keep it as a message, print it once."""
+        """An exception in a draw callback would come back with every redraw: say it once, in the panel."""
         try:
             yield
-        except Exception as error:
-            message = f"{type(error).__name__}: {error}"
-            if message != self.message:
-                print(f"Sfumato: the viewport cannot show smoke. {message}")
-            self.message = message
+        except Exception as error:  # whatever it is, Blender must go on drawing
+            log.replace("viewport", [f"The overlay cannot be drawn: {error or type(error).__name__}"])
 
 
 def _blender_applies_exposure(shading: bpy.types.View3DShading) -> bool:
@@ -457,6 +444,7 @@ def _on_change(*_: Any) -> None:
 def _on_load(*_: Any) -> None:
     if _overlay is not None:
         _overlay.forget()
+    log.clear()
     free()
 
 
@@ -496,13 +484,3 @@ def free() -> None:
     """Free every GPU object. What is drawn next makes its own again."""
     global _painter
     _painter = None
-
-
-def message() -> str:
-    """What keeps the overlay from drawing, or the empty string."""
-    return _overlay.message if _overlay is not None else ""
-
-
-def notices() -> list[str]:
-    """What the scene holds that the overlay does not show."""
-    return _overlay.notices if _overlay is not None else []

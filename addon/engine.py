@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine: F12, `blender -b -E SFUMATO`, and the Rendered viewport."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from . import compat, core, log, props, scene, viewport
+
+
+class SfumatoEngine(bpy.types.RenderEngine):
+    bl_idname = "SFUMATO"
+    bl_label = "Sfumato"
+    bl_use_preview = False
+    bl_use_shading_nodes_custom = False
+    # Made by view_update, drawn by view_draw; None where there is nothing to draw.
+    view_frame: Any = None
+
+    def render(self, depsgraph: Any) -> None:
+        settings = depsgraph.scene
+        size = image_size(settings.render)
+        try:
+            native = core.module()
+            export = scene.export(depsgraph)
+            log.replace("render", export.notices)
+            camera = camera_of(settings, depsgraph)
+            if camera is None:
+                self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
+                return
+            quality = props.QUALITIES[settings.sfumato.quality]
+            frame = native.Frame(export.scene, **quality.frame)
+            window, offset, extent = border_of(settings.render, size)
+            image = frame.render(
+                native.Camera(window @ camera), *extent, edge_samples=quality.edge_samples, progress=self.go_on
+            )
+        except (core.Missing, ValueError, RuntimeError) as error:
+            self.report({"ERROR"}, str(error))
+            return
+        if image is None:
+            return
+        if not settings.render.film_transparent:
+            image[..., 3] = 1.0
+        result = self.begin_result(*offset, *extent, layer=depsgraph.view_layer.name)
+        compat.set_pixels(result.layers[0], image)
+        self.end_result(result)
+
+    def view_update(self, context: Any, depsgraph: Any) -> None:
+        self.view_frame = None
+        try:
+            export = scene.export(depsgraph)
+            quality = props.QUALITIES[depsgraph.scene.sfumato.quality]
+            self.view_frame = core.module().Frame(export.scene, **quality.frame)
+            log.replace("view", export.notices)
+        except (core.Missing, ValueError, RuntimeError) as error:
+            log.replace("view", [str(error)])
+
+    def view_draw(self, context: Any, depsgraph: Any) -> None:
+        if self.view_frame is None:
+            return
+        try:
+            viewport.draw_rendered(self, context, depsgraph, self.view_frame)
+        except Exception as error:  # anything raised here would come back with every redraw
+            self.view_frame = None
+            log.replace("view", [f"The view cannot be drawn: {type(error).__name__}: {error}"])
+
+    def go_on(self, done: float) -> bool:
+        self.update_progress(done)
+        return not self.test_break()
+
+
+def image_size(render: Any) -> tuple[int, int]:
+    """Pixels of the whole picture."""
+    share = render.resolution_percentage / 100.0
+    return max(1, int(render.resolution_x * share)), max(1, int(render.resolution_y * share))
+
+
+def camera_of(settings: Any, depsgraph: Any) -> NDArray[np.float64] | None:
+    """World to clip space for the scene's camera, or None without one."""
+    if settings.camera is None:
+        return None
+    camera = settings.camera.evaluated_get(depsgraph)
+    width, height = image_size(settings.render)
+    aspect = settings.render.pixel_aspect_x, settings.render.pixel_aspect_y
+    projection = camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=aspect[0], scale_y=aspect[1])
+    view = camera.matrix_world.normalized().inverted()
+    return np.array(projection, dtype=np.float64) @ np.array(view, dtype=np.float64)
+
+
+def border_of(render: Any, size: tuple[int, int]) -> tuple[NDArray[np.float64], tuple[int, int], tuple[int, int]]:
+    """The render border: a zoom of clip space onto it, its lower left pixel, its size in pixels."""
+    window = np.eye(4)
+    if not render.use_border:
+        return window, (0, 0), size
+    low, high = [], []
+    for axis, (pixels, first, last) in enumerate(
+        zip(size, (render.border_min_x, render.border_min_y), (render.border_max_x, render.border_max_y))
+    ):
+        low.append(min(int(first * pixels), pixels - 1))
+        high.append(max(int(last * pixels), low[axis] + 1))
+        window[axis, axis] = pixels / (high[axis] - low[axis])
+        window[axis, 3] = window[axis, axis] * (1.0 - (low[axis] + high[axis]) / pixels)
+    extent = high[0] - low[0], high[1] - low[1]
+    return window, ((low[0], low[1]) if not render.use_crop_to_border else (0, 0)), extent

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Everything that Blender is told about, and told to forget."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import engine, log, props, ui, viewport
+
+
+def register() -> None:
+    props.register()
+    bpy.utils.register_class(engine.SfumatoEngine)
+    ui.register()
+    if not bpy.app.background:
+        viewport.enable()
+
+
+def unregister() -> None:
+    viewport.disable()
+    ui.unregister()
+    bpy.utils.unregister_class(engine.SfumatoEngine)
+    props.unregister()
+    log.clear()

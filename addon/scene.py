@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From Blender's evaluated scene to plain arrays.
+
+What cannot be shown is said in a notice; it never stops the rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import compat, core, materials, smoke
+
+SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+
+@dataclass
+class Export:
+    """A scene for the native module, and what an artist should know about it."""
+
+    scene: Any
+    notices: list[str] = field(default_factory=list)
+
+
+def export(depsgraph: Any) -> Export:
+    """Everything that `depsgraph` shows. Raises core.Missing without the native module."""
+    out = Export(core.module().Scene())
+    suns: list[tuple[float, str, tuple[Any, ...]]] = []
+    media: list[tuple[str, smoke.Medium]] = []
+    for instance in depsgraph.object_instances:
+        thing = instance.object
+        matrix = np.array(instance.matrix_world, dtype=np.float64)
+        if not instance.show_self:
+            continue
+        if thing.type == "LIGHT":
+            if thing.data.type == "SUN":
+                irradiance = compat.light_colour(thing.data)
+                suns.append((float(irradiance.max()), thing.name, (-matrix[:3, 2], irradiance, thing.data.angle)))
+            else:
+                out.notices.append(f"{thing.name}: only sun lights are shown yet, not {thing.data.type.lower()} lights")
+            continue
+        try:
+            medium = smoke.medium_of(thing, matrix, depsgraph, out.notices)
+            if medium is not None:
+                media.append((thing.name, medium))
+            elif thing.type in SURFACE_TYPES:
+                add_surface(out, thing, matrix)
+        except ValueError as error:
+            out.notices.append(f"{thing.name}: {error}")
+    set_sun(out, suns)
+    set_medium(out, media)
+    out.scene.set_background(materials.background(depsgraph.scene, out.notices))
+    return out
+
+
+def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> None:
+    """The triangles of an object, in world space."""
+    albedo = materials.albedos(thing, out.notices)
+    if albedo is None:
+        return
+    mesh = thing.to_mesh()
+    if mesh is None:
+        return
+    try:
+        mesh.calc_loop_triangles()
+        count = len(mesh.loop_triangles)
+        if count == 0:
+            return
+        vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+        triangles = np.empty(count * 3, dtype=np.int32)
+        material = np.empty(count, dtype=np.int32)
+        mesh.vertices.foreach_get("co", vertices)
+        mesh.loop_triangles.foreach_get("vertices", triangles)
+        mesh.loop_triangles.foreach_get("material_index", material)
+        normals = compat.corner_normals(mesh)
+    finally:
+        thing.to_mesh_clear()
+    world = vertices.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    # Normals go with the inverse transpose; a flattened object has none, and any direction will do.
+    turned = normals @ np.linalg.pinv(matrix[:3, :3])
+    length = np.linalg.norm(turned, axis=-1, keepdims=True)
+    turned = np.where(length > 0.0, turned / np.maximum(length, 1e-30), (0.0, 0.0, 1.0))
+    # A face may name a slot that the object lacks: Blender then shows the last one.
+    slots = np.clip(material, 0, len(albedo) - 1)
+    out.scene.add_mesh(world, triangles.reshape(-1, 3), turned, slots, albedo)
+
+
+def set_sun(out: Export, suns: list[tuple[float, str, tuple[Any, ...]]]) -> None:
+    """The strongest sun lights the scene."""
+    suns = sorted((sun for sun in suns if sun[0] > 0.0), key=lambda sun: sun[0], reverse=True)
+    if not suns:
+        out.notices.append("No sun light: nothing is lit. Add a sun, or raise its strength")
+        return
+    for _, name, _ in suns[1:]:
+        out.notices.append(f"{name}: only the strongest sun is shown yet, {suns[0][1]}")
+    try:
+        direction, irradiance, angle = suns[0][2]
+        out.scene.set_sun(direction, irradiance, min(float(angle), 3.1415))
+    except ValueError as error:
+        out.notices.append(f"{suns[0][1]}: {error}")
+
+
+def set_medium(out: Export, media: list[tuple[str, smoke.Medium]]) -> None:
+    """One body of smoke: the one with the most in it."""
+    media = sorted(media, key=lambda entry: float(entry[1].density.sum()), reverse=True)
+    for name, _ in media[1:]:
+        out.notices.append(f"{name}: only one smoke domain is shown yet, {media[0][0]}")
+    if media:
+        name, medium = media[0]
+        try:
+            out.scene.set_medium(
+                medium.density, medium.grid_to_world, medium.scattering, medium.absorption, medium.anisotropy
+            )
+        except ValueError as error:
+            out.notices.append(f"{name}: {error}")

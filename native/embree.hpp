@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Embree 3 (Debian 12) and 4 (later): one spelling for the calls that changed between them.
+#pragma once
+
+#include <limits>
+
+#include <glm/vec3.hpp>
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+namespace sfumato {
+
+// One packet of rays, `Lanes` wide, against a scene: the first hit, or whether anything is hit at all.
+template <int Lanes>
+struct Rays;
+
+#if RTC_VERSION_MAJOR >= 4
+#define SFUMATO_RAYS(LANES)                                                                                            \
+    template <>                                                                                                        \
+    struct Rays<LANES> {                                                                                               \
+        using RayHit = RTCRayHit##LANES;                                                                               \
+        using Ray = RTCRay##LANES;                                                                                     \
+        static void intersect(const int *valid, RTCScene scene, RayHit &rays) {                                        \
+            rtcIntersect##LANES(valid, scene, &rays, nullptr);                                                         \
+        }                                                                                                              \
+        static void occluded(const int *valid, RTCScene scene, Ray &rays) {                                            \
+            rtcOccluded##LANES(valid, scene, &rays, nullptr);                                                          \
+        }                                                                                                              \
+    };
+#else
+#define SFUMATO_RAYS(LANES)                                                                                            \
+    template <>                                                                                                        \
+    struct Rays<LANES> {                                                                                               \
+        using RayHit = RTCRayHit##LANES;                                                                               \
+        using Ray = RTCRay##LANES;                                                                                     \
+        static void intersect(const int *valid, RTCScene scene, RayHit &rays) {                                        \
+            RTCIntersectContext context;                                                                               \
+            rtcInitIntersectContext(&context);                                                                         \
+            context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;                                                       \
+            rtcIntersect##LANES(valid, scene, &context, &rays);                                                        \
+        }                                                                                                              \
+        static void occluded(const int *valid, RTCScene scene, Ray &rays) {                                            \
+            RTCIntersectContext context;                                                                               \
+            rtcInitIntersectContext(&context);                                                                         \
+            context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;                                                       \
+            rtcOccluded##LANES(valid, scene, &context, &rays);                                                         \
+        }                                                                                                              \
+    };
+#endif
+
+// The distance to the first hit of one ray, infinite where there is none.
+inline float first_hit(RTCScene scene, const glm::vec3 &origin, const glm::vec3 &direction) {
+    constexpr float INFINITE = std::numeric_limits<float>::infinity();
+    RTCRayHit ray{};
+    ray.ray.org_x = origin.x;
+    ray.ray.org_y = origin.y;
+    ray.ray.org_z = origin.z;
+    ray.ray.dir_x = direction.x;
+    ray.ray.dir_y = direction.y;
+    ray.ray.dir_z = direction.z;
+    ray.ray.tfar = INFINITE;
+    ray.ray.mask = 0xFFFFFFFFU;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect1(scene, &ray, nullptr);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &ray);
+#endif
+    return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? INFINITE : ray.ray.tfar;
+}
+
+SFUMATO_RAYS(4)
+SFUMATO_RAYS(8)
+SFUMATO_RAYS(16)
+#undef SFUMATO_RAYS
+
+} // namespace sfumato

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where in a pixel, and where on the sun's disk, samples fall.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace sfumato {
+
+struct FilmSample {
+    float x, y;         // pixels from the pixel's centre, distributed as the filter
+    float sun_x, sun_y; // in the unit disk, uniform
+};
+
+// `count` well spread samples, for a pixel whose neighbours in a 4 x 4 tile take the other values of `turn`.
+std::vector<FilmSample> film_samples(int count, int turn);
+
+constexpr int FILM_TURNS = 16;
+
+// Blackman and Harris, over a diameter of 3 pixels: Cycles' default filter, "width 1.5".
+// Returns the position whose share of the filter's weight is u.
+float blackman_harris_quantile(float u);
+
+} // namespace sfumato

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "frame.hpp"
+
+#include "film.hpp"
+#include "glsl.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace sfumato {
+namespace {
+
+constexpr int TILE = 4; // the sampling pattern repeats every TILE x TILE pixels; TILE^2 = FILM_TURNS
+
+// Neighbouring pixels get distant turns (the order of Bayer's matrix).
+int film_turn(int x, int y) {
+    constexpr std::array<int, 16> BAYER = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+    return BAYER[static_cast<std::size_t>((y % TILE) * TILE + x % TILE)];
+}
+
+struct Image {
+    int width, height;
+    std::vector<float> rgba;     // premultiplied
+    std::vector<float> surfaces; // mean radiance of the surfaces, were there no smoke
+    std::vector<float> seen;     // the share of it that the smoke leaves
+    std::vector<float> distance;
+
+    Image(int w, int h)
+        : width(w), height(h), rgba(4 * at(0, h)), surfaces(at(0, h)), seen(at(0, h)), distance(at(0, h)) {}
+
+    [[nodiscard]] std::size_t at(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    }
+};
+
+// The first look: every pixel once, through its centre.
+void trace_row(const FrameView &view, const std::vector<FilmSample> &turns, Image &image, int y) {
+    const int lanes = kernels().lanes;
+    Packet packet;
+    Light light;
+    for (int x0 = 0; x0 < image.width; x0 += lanes) {
+        for (int lane = 0; lane < lanes; ++lane) {
+            const int x = x0 + lane;
+            const FilmSample &turn = turns[static_cast<std::size_t>(film_turn(x, y)) % turns.size()];
+            packet.u[lane] = (static_cast<float>(x) + 0.5F) / static_cast<float>(image.width);
+            packet.v[lane] = (static_cast<float>(y) + 0.5F) / static_cast<float>(image.height);
+            packet.sun_x[lane] = turn.sun_x;
+            packet.sun_y[lane] = turn.sun_y;
+            packet.active[lane] = x < image.width ? 1.0F : 0.0F;
+        }
+        kernels().trace(view, packet, light);
+        for (int lane = 0; lane < lanes && x0 + lane < image.width; ++lane) {
+            const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                      static_cast<std::size_t>(x0 + lane);
+            float *rgba = image.rgba.data() + 4 * pixel;
+            for (int c = 0; c < 3; ++c) {
+                rgba[c] = light.radiance[c][lane];
+            }
+            image.surfaces[pixel] = light.surface[lane];
+            image.seen[pixel] = light.seen[lane];
+            rgba[3] = light.alpha[lane];
+            image.distance[pixel] = light.distance[lane];
+        }
+    }
+}
+
+// Whether surfaces or their shadows change around a pixel by more than one sample can tell. Filtering leaves a linear
+// ramp as it is, so what counts is how far a pixel is from the middle between two opposite neighbours: of that, what
+// shows through the smoke.
+bool is_edge(const Image &image, int x, int y) {
+    constexpr float CONTRAST = 0.03F;
+    const auto at = [&image](int i, int j) {
+        return image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1));
+    };
+    const std::size_t centre = at(x, y);
+    const float *rgba = image.rgba.data() + 4 * centre;
+    const float brightness = (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
+    constexpr std::array<std::array<int, 2>, 4> WAYS = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+    for (const auto &[dx, dy] : WAYS) {
+        const std::size_t before = at(x - dx, y - dy), after = at(x + dx, y + dy);
+        const float bend = std::abs(image.surfaces[before] + image.surfaces[after] - 2.0F * image.surfaces[centre]);
+        const float seen = std::max({image.seen[before], image.seen[centre], image.seen[after]});
+        const float alpha = std::abs(image.rgba[4 * before + 3] - image.rgba[4 * after + 3]);
+        const bool rim = (image.distance[before] > 2.0F * image.distance[after] ||
+                          image.distance[after] > 2.0F * image.distance[before]) &&
+                         alpha > CONTRAST;
+        if (bend * seen > CONTRAST * (brightness + bend * seen) || rim) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void refine_pixel(const FrameView &view, const std::vector<FilmSample> &samples, Image &image, int x, int y) {
+    const int lanes = kernels().lanes;
+    const auto count = static_cast<int>(samples.size());
+    Packet packet;
+    Light light;
+    std::array<double, 4> sum{};
+    for (int first = 0; first < count; first += lanes) {
+        for (int lane = 0; lane < lanes; ++lane) {
+            const bool active = first + lane < count;
+            const FilmSample &s = samples[static_cast<std::size_t>(active ? first + lane : first)];
+            packet.u[lane] = (static_cast<float>(x) + 0.5F + s.x) / static_cast<float>(image.width);
+            packet.v[lane] = (static_cast<float>(y) + 0.5F + s.y) / static_cast<float>(image.height);
+            packet.sun_x[lane] = s.sun_x;
+            packet.sun_y[lane] = s.sun_y;
+            packet.active[lane] = active ? 1.0F : 0.0F;
+        }
+        kernels().trace(view, packet, light);
+        for (int lane = 0; lane < lanes && first + lane < count; ++lane) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                sum[c] += static_cast<double>(light.radiance[c][lane]);
+            }
+            sum[3] += static_cast<double>(light.alpha[lane]);
+        }
+    }
+    float *rgba = image.rgba.data() + 4 * image.at(x, y);
+    for (std::size_t c = 0; c < 4; ++c) {
+        rgba[c] = static_cast<float>(sum[c] / count);
+    }
+}
+
+// Runs body(i) for 0 <= i < count on all cores, asking `progress` between chunks. False if it was stopped.
+template <typename Body>
+bool in_chunks(int count, double done, double share, const Progress &progress, const Body &body) {
+    constexpr int CHUNKS = 8;
+    for (int chunk = 0; chunk < CHUNKS; ++chunk) {
+        if (progress && !progress(done + share * chunk / CHUNKS)) {
+            return false;
+        }
+        oneapi::tbb::parallel_for(count * chunk / CHUNKS, count * (chunk + 1) / CHUNKS, body);
+    }
+    return true;
+}
+
+} // namespace
+
+Frame::Frame(const Scene &scene, const FrameSettings &settings)
+    : surfaces_(scene.meshes), sun_(scene.sun), background_(scene.background) {
+    if (!scene.medium) {
+        return;
+    }
+    medium_ = crop(*scene.medium);
+    if (medium_.empty()) {
+        return;
+    }
+    step_length_ = medium_.cell_size / settings.steps_per_cell;
+    if (sun_) {
+        light_map_ = build_light_map(medium_, *sun_, surfaces_.view(), settings.coefficients, settings.texels_per_cell);
+        light_medium(medium_, *light_map_);
+    }
+}
+
+FrameView Frame::view(const Camera &camera) const {
+    FrameView view;
+    for (std::size_t i = 0; i < 3; ++i) {
+        view.camera[i] = camera.near[i];
+        view.camera[3 + i] = camera.far[i];
+    }
+    view.surfaces = surfaces_.view();
+    view.background = background_;
+    if (sun_) {
+        const glm::dmat3 axes = light_axes(*sun_);
+        const double radius = std::tan(0.5 * static_cast<double>(sun_->angle));
+        view.sun = {true, glm::vec3(-axes[2]), glm::vec3(axes[0] * radius), glm::vec3(axes[1] * radius),
+                    sun_->irradiance};
+    }
+    if (!medium_.empty()) {
+        MediumView &m = view.medium;
+        m.present = true;
+        m.lit = medium_.grid();
+        m.clearance = medium_.clearances();
+        m.world_to_grid = affine(glm::inverse(medium_.grid_to_world));
+        m.anisotropy = medium_.anisotropy;
+        m.step_length = static_cast<float>(step_length_);
+        for (int c = 0; c < 3; ++c) {
+            m.extinction[c] = medium_.extinction[c];
+            m.albedo[c] = medium_.albedo[c];
+        }
+    }
+    if (light_map_) {
+        view.map = light_map_->view();
+    }
+    return view;
+}
+
+std::optional<std::vector<float>> Frame::render(const Camera &camera, int width, int height, int edge_samples,
+                                                const Progress &progress) const {
+    const FrameView frame = view(camera);
+    Image image(width, height);
+    // One turn for each pixel of a tile, so that a penumbra shows itself as a disagreement of neighbours.
+    const bool refine = edge_samples > 1;
+    const std::vector<FilmSample> turns =
+        refine ? film_samples(FILM_TURNS, 0) : std::vector<FilmSample>{{0.0F, 0.0F, 0.0F, 0.0F}};
+    if (!in_chunks(height, 0.0, 0.5, progress, [&](int y) { trace_row(frame, turns, image, y); })) {
+        return std::nullopt;
+    }
+    if (refine) {
+        std::vector<std::vector<FilmSample>> patterns;
+        patterns.reserve(FILM_TURNS);
+        for (int turn = 0; turn < FILM_TURNS; ++turn) {
+            patterns.push_back(film_samples(edge_samples, turn));
+        }
+        // Which pixels are edges is settled before any of them changes.
+        std::vector<std::vector<int>> edges(static_cast<std::size_t>(height));
+        oneapi::tbb::parallel_for(0, height, [&](int y) {
+            for (int x = 0; x < width; ++x) {
+                if (is_edge(image, x, y)) {
+                    edges[static_cast<std::size_t>(y)].push_back(x);
+                }
+            }
+        });
+        const auto refine_row = [&](int y) {
+            for (const int x : edges[static_cast<std::size_t>(y)]) {
+                refine_pixel(frame, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
+            }
+        };
+        if (!in_chunks(height, 0.5, 0.5, progress, refine_row)) {
+            return std::nullopt;
+        }
+    }
+    return std::move(image.rgba);
+}
+
+std::vector<float> Frame::surfaces(const Camera &camera, int width, int height, bool lit) const {
+    FrameView frame = view(camera);
+    frame.smoke = false;
+    frame.lit = lit;
+    Image image(width, height);
+    const std::vector<FilmSample> centre{{0.0F, 0.0F, 0.0F, 0.0F}};
+    oneapi::tbb::parallel_for(0, height, [&](int y) {
+        trace_row(frame, centre, image, y);
+        for (std::size_t pixel = image.at(0, y); pixel < image.at(0, y + 1); ++pixel) {
+            image.rgba[4 * pixel + 3] = image.distance[pixel];
+        }
+    });
+    return std::move(image.rgba);
+}
+
+void Frame::transmittance(std::span<const float> points, std::span<float> rgb) const {
+    std::fill(rgb.begin(), rgb.end(), 1.0F);
+    if (!light_map_) {
+        return;
+    }
+    std::vector<float> columns(points.size() / 3);
+    light_map_->look_up(points, columns);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            rgb[3 * i + static_cast<std::size_t>(c)] = glsl::transmittance_of(columns[i] * medium_.extinction[c]);
+        }
+    }
+}
+
+} // namespace sfumato

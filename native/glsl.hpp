@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// shaders/*.glsl as C++, one lane wide.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+namespace sfumato::glsl {
+namespace {
+
+using glm::dot;
+using glm::vec3;
+using std::abs;
+using std::ceil;
+using std::clamp;
+using std::cos;
+using std::exp;
+using std::log;
+using std::max;
+using std::min;
+using std::sin;
+using std::sqrt;
+
+inline float pick(bool condition, float a, float b) {
+    return condition ? a : b;
+}
+
+// The text is one vocabulary for many users: no file uses all of it.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include "glsl_text.inc"
+#pragma GCC diagnostic pop
+
+} // namespace
+} // namespace sfumato::glsl

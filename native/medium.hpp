@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Smoke made ready for marching: cropped to where there is any, with a map of the emptiness that is left.
+#pragma once
+
+#include "kernels.hpp"
+#include "scene.hpp"
+
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+
+namespace sfumato {
+
+struct CroppedMedium {
+    // Interleaved: the density, then the share of the sun that arrives, once if the extinction is grey, else per RGB.
+    std::vector<float> lit;
+    int channels = 2;
+    glm::ivec3 resolution{0}; // with one empty cell on every side
+    glm::dmat4 grid_to_world{1.0};
+    std::vector<float> clearance;
+    glm::ivec3 bricks{0};
+    glm::vec3 extinction{0.0F}; // per metre and unit density
+    glm::vec3 albedo{0.0F};
+    float anisotropy = 0.0F;
+    double cell_size = 0.0; // the shortest edge, metres
+
+    [[nodiscard]] bool empty() const { return lit.empty(); }
+    [[nodiscard]] GridView grid() const;
+    [[nodiscard]] ClearanceView clearances() const;
+};
+
+// Cells whose density could darken nothing by more than 1e-4 of optical depth along the grid's diagonal count as empty.
+CroppedMedium crop(const Medium &medium);
+
+} // namespace sfumato

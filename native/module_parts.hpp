@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The module's other files, each a subject.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace sfumato {
+
+void bind_opacity(pybind11::module_ &m);
+void bind_reference(pybind11::module_ &m);
+
+} // namespace sfumato

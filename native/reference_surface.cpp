@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "reference.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+namespace sfumato::reference {
+namespace {
+
+using Triangle = std::array<glm::dvec3, 3>;
+
+Triangle corners(const Mesh &mesh, std::size_t index) {
+    const glm::uvec3 &triangle = mesh.triangles[index];
+    return {glm::dvec3(mesh.vertices[triangle.x]), glm::dvec3(mesh.vertices[triangle.y]),
+            glm::dvec3(mesh.vertices[triangle.z])};
+}
+
+// Where a ray meets a triangle: the distance, and the barycentric weights of the second and the third corner.
+struct Crossing {
+    double distance = 0.0;
+    double u = 0.0;
+    double v = 0.0;
+};
+
+// Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997: origin + t direction =
+// (1 - u - v) p0 + u p1 + v p2, solved by Cramer's rule. Both sides of the triangle count.
+std::optional<Crossing> intersect(const Triangle &p, const glm::dvec3 &origin, const glm::dvec3 &direction) {
+    const glm::dvec3 edge1 = p[1] - p[0];
+    const glm::dvec3 edge2 = p[2] - p[0];
+    const glm::dvec3 s = origin - p[0];
+    const glm::dvec3 direction_x_edge2 = glm::cross(direction, edge2);
+    const glm::dvec3 s_x_edge1 = glm::cross(s, edge1);
+    const double determinant = glm::dot(edge1, direction_x_edge2);
+    if (determinant == 0.0) {
+        return std::nullopt; // parallel to the ray, or no area
+    }
+    const Crossing crossing{glm::dot(edge2, s_x_edge1) / determinant, glm::dot(s, direction_x_edge2) / determinant,
+                            glm::dot(direction, s_x_edge1) / determinant};
+    const bool inside = crossing.u >= 0.0 && crossing.v >= 0.0 && crossing.u + crossing.v <= 1.0;
+    return inside ? std::optional(crossing) : std::nullopt;
+}
+
+Hit describe(const Mesh &mesh, std::size_t index, const Crossing &crossing, const glm::dvec3 &origin,
+             const glm::dvec3 &direction) {
+    const auto &normals = mesh.corner_normals[index];
+    const Triangle p = corners(mesh, index);
+    Hit hit;
+    hit.distance = crossing.distance;
+    hit.position = origin + crossing.distance * direction;
+    hit.normal = glm::normalize((1.0 - crossing.u - crossing.v) * glm::dvec3(normals[0]) +
+                                crossing.u * glm::dvec3(normals[1]) + crossing.v * glm::dvec3(normals[2]));
+    hit.face = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+    hit.albedo = glm::dvec3(mesh.albedo[mesh.material[index]]);
+    // The corner normals, not the order of the corners, tell which side of the triangle is the front. The eye's side is
+    // the triangle's own: near a silhouette the interpolated normal of the side we see may well point away from us.
+    hit.face *= glm::dot(hit.face, hit.normal) < 0.0 ? -1.0 : 1.0;
+    const double side = glm::dot(hit.face, direction) > 0.0 ? -1.0 : 1.0;
+    hit.face *= side;
+    hit.normal *= side;
+    return hit;
+}
+
+// Shirley and Chiu, "A low distortion map between disk and square", 1997: [-1, 1]^2 to the unit disk, area to area.
+glm::dvec2 concentric(const glm::dvec2 &square) {
+    const double quarter = std::numbers::pi / 4.0;
+    const bool wide = std::abs(square.x) > std::abs(square.y);
+    const double radius = wide ? square.x : square.y;
+    if (radius == 0.0) {
+        return glm::dvec2(0.0);
+    }
+    const double phi = wide ? quarter * square.y / square.x : quarter * (2.0 - square.x / square.y);
+    return radius * glm::dvec2(std::cos(phi), std::sin(phi));
+}
+
+} // namespace
+
+std::optional<Hit> first_hit(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &direction, double reach) {
+    std::optional<Hit> nearest;
+    for (const Mesh &mesh : scene.meshes) {
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const std::optional<Crossing> crossing = intersect(corners(mesh, i), origin, direction);
+            if (crossing && crossing->distance >= 0.0 && crossing->distance <= reach) {
+                reach = crossing->distance;
+                nearest = describe(mesh, i, *crossing, origin, direction);
+            }
+        }
+    }
+    return nearest;
+}
+
+bool occluded(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &towards) {
+    // A triangle does not shade the points on it: far more than rounding, far less than anything one models.
+    const double clearance = 1e-9 * (1.0 + glm::length(origin));
+    for (const Mesh &mesh : scene.meshes) {
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const std::optional<Crossing> crossing = intersect(corners(mesh, i), origin, towards);
+            if (crossing && crossing->distance > clearance) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+std::vector<glm::dvec3> sun_directions(const Sun &sun, unsigned per_axis) {
+    const glm::dvec3 axis = -glm::normalize(glm::dvec3(sun.direction));
+    if (sun.angle == 0.0F) {
+        return {axis};
+    }
+    const glm::dvec3 other = std::abs(axis.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(1.0, 0.0, 0.0);
+    const glm::dvec3 tangent = glm::normalize(glm::cross(other, axis));
+    const glm::dvec3 bitangent = glm::cross(axis, tangent);
+    // Constant radiance over a cone gives each piece of it an irradiance in proportion to its area when projected on
+    // the plane that faces the sun. The cone's projection is a disk of radius sin(angle / 2): equal areas, equal parts.
+    const double radius = std::sin(0.5 * double{sun.angle});
+    std::vector<glm::dvec3> directions;
+    for (unsigned j = 0; j < per_axis; ++j) {
+        for (unsigned i = 0; i < per_axis; ++i) {
+            const glm::dvec2 stratum = (2.0 * glm::dvec2(i, j) + 1.0) / double(per_axis) - 1.0;
+            const glm::dvec2 disk = radius * concentric(stratum);
+            const double height = std::sqrt(1.0 - glm::dot(disk, disk));
+            directions.push_back(disk.x * tangent + disk.y * bitangent + height * axis);
+        }
+    }
+    return directions;
+}
+
+glm::dvec3 visibility(const Scene &scene, const glm::dvec3 &position, const glm::dvec3 &towards) {
+    if (occluded(scene, position, towards)) {
+        return glm::dvec3(0.0);
+    }
+    return scene.medium ? transmittance_to_infinity(*scene.medium, position, towards) : glm::dvec3(1.0);
+}
+
+glm::dvec3 reflected(const Scene &scene, const Hit &hit, unsigned sun_samples_per_axis) {
+    if (!scene.sun) {
+        return glm::dvec3(0.0);
+    }
+    const glm::dvec3 axis = -glm::normalize(glm::dvec3(scene.sun->direction));
+    const std::vector<glm::dvec3> directions = sun_directions(*scene.sun, sun_samples_per_axis);
+    glm::dvec3 sum(0.0); // of the cosine to the surface, over the cosine to the plane that faces the sun
+    for (const glm::dvec3 &towards : directions) {
+        const double cosine = glm::dot(hit.normal, towards);
+        if (cosine > 0.0 && glm::dot(hit.face, towards) > 0.0) {
+            sum += cosine / glm::dot(axis, towards) * visibility(scene, hit.position, towards);
+        }
+    }
+    const glm::dvec3 irradiance = glm::dvec3(scene.sun->irradiance) * sum / double(directions.size());
+    return hit.albedo / std::numbers::pi * irradiance;
+}
+
+} // namespace sfumato::reference

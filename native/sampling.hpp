@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fetches of the lane kernels: grids, clearance and light maps. The GPU has samplers for this; the formulas that use
+// what is fetched are shared.
+#pragma once
+
+#include "kernels.hpp"
+#include "lanes.hpp"
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+// A position between eight cell centres.
+struct Cell {
+    Index first; // index of the lowest corner
+    Real x, y, z;
+};
+
+inline Cell locate(const GridView &grid, const vec3 &p) {
+    const auto split = [](Real coordinate, int size, Real &fraction) {
+        const Real shifted = clamp(coordinate - 0.5F, 0.0F, static_cast<float>(size - 1));
+        const Real whole = min(floor(shifted), static_cast<float>(size - 2));
+        fraction = shifted - whole;
+        return truncate(whole);
+    };
+    Cell cell;
+    const Index i = split(p.x, grid.nx, cell.x);
+    const Index j = split(p.y, grid.ny, cell.y);
+    const Index k = split(p.z, grid.nz, cell.z);
+    cell.first = ((k * Index(grid.ny) + j) * Index(grid.nx) + i) * Index(grid.channels);
+    return cell;
+}
+
+inline Real lerp(Real a, Real b, Real t) {
+    return a + (b - a) * t;
+}
+
+inline Real sample(const GridView &grid, const Cell &cell, int channel) {
+    const float *v = grid.values + channel;
+    const int x = grid.channels, y = x * grid.nx, z = y * grid.ny;
+    const auto row = [&](int offset) {
+        return lerp(gather(v + offset, cell.first), gather(v + offset + x, cell.first), cell.x);
+    };
+    return lerp(lerp(row(0), row(y), cell.y), lerp(row(z), row(z + y), cell.y), cell.z);
+}
+
+// Clearance of the brick around a position, see kernels.hpp.
+inline Real clearance_at(const ClearanceView &bricks, const vec3 &p) {
+    const auto brick = [](Real coordinate, int size) {
+        return truncate(clamp(coordinate * (1.0F / static_cast<float>(BRICK)), 0.0F, static_cast<float>(size) - 0.5F));
+    };
+    const Index i = brick(p.x, bricks.nx), j = brick(p.y, bricks.ny), k = brick(p.z, bricks.nz);
+    return gather(bricks.cells, (k * Index(bricks.ny) + j) * Index(bricks.nx) + i);
+}
+
+// Four texels of a light map and their bilinear weights.
+struct Texels {
+    Index at[4];
+    Real weight[4];
+};
+
+inline Texels locate(const LightMapView &map, Real x, Real y) {
+    const auto split = [](Real coordinate, int size, Real &fraction) {
+        const Real shifted = clamp(coordinate * static_cast<float>(size) - 0.5F, 0.0F, static_cast<float>(size - 1));
+        const Real whole = min(floor(shifted), static_cast<float>(size - 2));
+        fraction = shifted - whole;
+        return truncate(whole);
+    };
+    Real fx, fy;
+    const Index i = split(x, map.width, fx), j = split(y, map.height, fy);
+    Texels texels;
+    texels.at[0] = j * Index(map.width) + i;
+    texels.at[1] = texels.at[0] + Index(1);
+    texels.at[2] = texels.at[0] + Index(map.width);
+    texels.at[3] = texels.at[2] + Index(1);
+    texels.weight[0] = (1.0F - fx) * (1.0F - fy);
+    texels.weight[1] = fx * (1.0F - fy);
+    texels.weight[2] = (1.0F - fx) * fy;
+    texels.weight[3] = fx * fy;
+    return texels;
+}
+
+// The column density between the light and depth z (eq 3 of the paper). Before the map's range it is 0, beyond it the
+// total; sideways of it the outermost texels, which are empty, answer.
+inline Real column_density(const LightMapView &map, const Texels &texels, Real z) {
+    const auto coefficient = [&](int c) {
+        Real sum = 0.0F;
+        for (int t = 0; t < 4; ++t) {
+            sum = sum + texels.weight[t] * gather(map.coefficients + c, texels.at[t] * Index(map.count));
+        }
+        return sum;
+    };
+    const Real d = clamp(z, 0.0F, 1.0F);
+    const Real a0 = coefficient(0);
+    Real column = integral_constant(a0, d);
+    // Most of a floor lies behind all smoke or beside it, where the constant term is the whole answer.
+    if (xsimd::all((d >= 1.0F) | (d <= 0.0F) | (a0 <= 0.0F))) {
+        return max(column, 0.0F);
+    }
+    const Harmonic first = harmonic(1.0F, d);
+    Harmonic h = first;
+    for (int k = 1; 2 * k < map.count; ++k) {
+        column = column + integral_harmonic(coefficient(2 * k - 1), coefficient(2 * k), h, static_cast<float>(k));
+        h = next_harmonic(h, first);
+    }
+    return clamp_optical_depth(column, a0);
+}
+
+} // namespace
+} // namespace sfumato::SFUMATO_ISA

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surfaces.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace sfumato {
+
+// One geometry for everything: a primitive number then says all that shading wants to know.
+Surfaces::Surfaces(std::span<const Mesh> meshes) {
+    std::size_t vertices = 0, triangles = 0;
+    for (const Mesh &mesh : meshes) {
+        vertices += mesh.vertices.size();
+        triangles += mesh.triangles.size();
+    }
+    if (triangles == 0) {
+        return;
+    }
+    device_.reset(rtcNewDevice(nullptr));
+    if (!device_) {
+        throw std::runtime_error("Embree could not start");
+    }
+    const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto *positions = static_cast<glm::vec3 *>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), vertices));
+    auto *indices = static_cast<glm::uvec3 *>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), triangles));
+    if (positions == nullptr || indices == nullptr) {
+        rtcReleaseGeometry(geometry);
+        throw std::runtime_error("no memory for the triangles of the scene");
+    }
+    corner_normals_.reserve(9 * triangles);
+    material_.reserve(triangles);
+    std::uint32_t first_vertex = 0;
+    for (const Mesh &mesh : meshes) {
+        positions = std::copy(mesh.vertices.begin(), mesh.vertices.end(), positions);
+        indices = std::transform(mesh.triangles.begin(), mesh.triangles.end(), indices,
+                                 [first_vertex](glm::uvec3 t) { return t + first_vertex; });
+        first_vertex += static_cast<std::uint32_t>(mesh.vertices.size());
+        for (const auto &corners : mesh.corner_normals) {
+            for (const glm::vec3 &normal : corners) {
+                corner_normals_.insert(corner_normals_.end(), {normal.x, normal.y, normal.z});
+            }
+        }
+        const auto first_material = static_cast<std::int32_t>(albedo_.size() / 3);
+        for (const std::uint32_t material : mesh.material) {
+            material_.push_back(first_material + static_cast<std::int32_t>(material));
+        }
+        for (const glm::vec3 &albedo : mesh.albedo) {
+            albedo_.insert(albedo_.end(), {albedo.x, albedo.y, albedo.z});
+        }
+    }
+    rtcCommitGeometry(geometry);
+    scene_.reset(rtcNewScene(device_.get()));
+    rtcAttachGeometry(scene_.get(), geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_.get());
+}
+
+SurfaceView Surfaces::view() const {
+    return {scene_.get(), corner_normals_.data(), material_.data(), albedo_.data()};
+}
+
+} // namespace sfumato

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tests inside Blender: a file of `test_*` functions that ends with `harness.main()`.
+
+tests/run starts Blender once for each file: background_*.py without a window, interface_*.py with the real interface on
+a virtual screen. By hand, after tests/run has built the add-on and set Blender's folders, one file is
+
+    blender --factory-startup --addons sfumato --python-use-system-env --python FILE      (PYTHONPATH=tests/blender)
+
+Tests run in the order of the file, each from Blender's factory scene. In the interface a test may be a generator: at
+each `yield` Blender redraws every editor and handles its events before the test goes on.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+import traceback
+from collections.abc import Callable, Generator, Iterator
+from pathlib import Path
+from types import GeneratorType
+
+import bpy
+from mathutils import Vector
+
+ROOT = Path(__file__).resolve().parents[2]
+SAMPLE = ROOT / "blend_samples" / "plume.blend"
+CACHE = ROOT / "blend_samples" / "plume_cache"
+
+# Before Blender 5.0 Mantaflow adds modules to a running Python, and from 3.12 on Python answers that with abort().
+# Blender's own builds never pair the two; Debian 13 does.
+MANTAFLOW_ABORTS = bpy.app.version < (5, 0) and sys.version_info >= (3, 12)
+
+Test = Callable[[], "Generator[None, None, None] | None"]
+
+
+class Skip(Exception):
+    """Raised by a test that has nothing to test here; the message says why."""
+
+
+def main() -> None:
+    """Run the tests of the calling file, print a line for each and the totals, and quit Blender."""
+    tests = {name: value for name, value in vars(sys.modules["__main__"]).items() if name.startswith("test_")}
+    steps = _run(tests)
+    if bpy.app.background:
+        for _ in steps:
+            pass
+    else:
+        # persistent: tests open other files, which ends every other timer.
+        bpy.app.timers.register(lambda: _step(steps), first_interval=0.5, persistent=True)
+
+
+def open_plume(frame: int = 25) -> bpy.types.Object:
+    """Open the sample at a frame, and give back the object that is the smoke: its domain, or where Mantaflow aborts a
+    Volume object made from the same frame of its cache."""
+    if MANTAFLOW_ABORTS:
+        return _open_plume_as_volume(frame)
+    bpy.ops.wm.open_mainfile(filepath=str(SAMPLE))
+    bpy.context.scene.frame_set(frame)
+    return bpy.context.scene.objects["Smoke Domain"]
+
+
+def _open_plume_as_volume(frame: int) -> bpy.types.Object:
+    """Append the sample's scene, and replace the domain before anything evaluates it."""
+    with bpy.data.libraries.load(str(SAMPLE)) as (_, wanted):
+        wanted.scenes = ["Scene"]
+    scene = wanted.scenes[0]
+    domain = scene.objects["Smoke Domain"]
+    for thing in scene.objects:
+        thing.modifiers.clear()
+
+    data = bpy.data.volumes.new("Smoke")
+    data.filepath = str(CACHE / "data" / f"fluid_data_{frame:04}.vdb")
+    if not data.grids.load():
+        raise RuntimeError(f"{data.filepath}: {data.grids.error_message}")
+    smoke = bpy.data.objects.new("Smoke", data)
+    data.materials.append(domain.active_material)
+    # OpenVDB's samples are the lattice points themselves, Mantaflow's the centres of cells: half a cell apart.
+    half_cell = data.grids["density"].matrix_object.to_scale() * 0.5
+    smoke.location = domain.location + Vector(domain.bound_box[0]) + half_cell
+    scene.collection.objects.link(smoke)
+    bpy.data.objects.remove(domain)
+
+    bpy.context.window_manager.windows[0].scene = scene
+    scene.frame_set(frame)
+    return smoke
+
+
+def _step(steps: Iterator[None]) -> float | None:
+    """One timer tick: go on with the tests, then ask for a redraw of everything."""
+    if next(steps, "end") == "end":
+        return None
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            area.tag_redraw()
+    return 0.0
+
+
+def _run(tests: dict[str, Test]) -> Iterator[None]:
+    counts = {"passed": 0, "failed": 0, "skipped": 0}
+    for name, test in tests.items():
+        started = time.perf_counter()
+        reason = ""
+        try:
+            bpy.ops.wm.read_homefile(use_factory_startup=True)
+            outcome = test()
+            if isinstance(outcome, GeneratorType):
+                yield from outcome
+            result = "passed"
+        except Skip as skip:
+            result, reason = "skipped", f": {skip}"
+        except Exception:  # whatever a test raises is its result
+            traceback.print_exc()
+            result = "failed"
+        counts[result] += 1
+        print(f"{result} {name} ({time.perf_counter() - started:.1f} s){reason}", flush=True)
+    print(", ".join(f"{count} {result}" for result, count in counts.items()), flush=True)
+    _quit(failed=counts["failed"] > 0)
+
+
+def _quit(failed: bool) -> None:
+    """Leave Blender; by its own way out unless that would lose the exit status."""
+    sys.stderr.flush()
+    if failed:
+        os._exit(1)
+    if not bpy.app.background:
+        with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+            bpy.ops.wm.quit_blender()

@@ -1,0 +1,107 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What tests/run, tests/matrix and blend_samples/render share: the packages, the build and Blender's folders. Sourced.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$root/build
+
+# The one list of packages, the same for Debian 12, 13 and sid. libboost-dev is for OpenVDB 10's headers; python3-cattr
+# and python3-requests are what the scripts of Debian's Blender 5.2 import and its package does not ask for.
+# shellcheck disable=SC2034 # read by the scripts that source this file
+packages=(
+    blender xvfb xauth libgl1-mesa-dri libegl1
+    g++ cmake ninja-build pybind11-dev python3-dev
+    libglm-dev libxsimd-dev libtbb-dev libembree-dev libopenvdb-dev libboost-dev libopenimageio-dev
+    libgtest-dev python3-pytest python3-numpy python3-cattr python3-requests
+)
+
+say() { printf '\n== %s\n' "$*"; }
+
+# Print the text at the head of the calling script: every line up to the first that is no comment.
+usage() { sed -nE '3,/^[^#]|^$/s/^# ?//p' "$0"; }
+
+install_missing() {
+    local package missing=()
+    for package in "$@"; do
+        [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
+    done
+    ((${#missing[@]})) || return 0
+    say "Installing ${missing[*]}"
+    if ((EUID)); then
+        echo "Only root can install packages. Run: apt-get install --no-install-recommends ${missing[*]}" >&2
+        return 1
+    fi
+    apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}"
+}
+
+# Debian's own Python, whatever the PATH says: it is the one inside Debian's Blender.
+build_all() {
+    say "Building in $build"
+    cmake -S "$root" -B "$build" -G Ninja -DPython_EXECUTABLE=/usr/bin/python3
+    cmake --build "$build"
+}
+
+# From here on Blender keeps its preferences, caches and temporary files in build/, and finds the built add-on there.
+use_built_addon() {
+    local home=$build/blender
+    mkdir -p "$home"/{config,scripts/addons,datafiles,extensions,cache,tmp}
+    ln -sfn "$build/addon/sfumato" "$home/scripts/addons/sfumato"
+    export BLENDER_USER_RESOURCES=$home BLENDER_USER_CONFIG=$home/config BLENDER_USER_SCRIPTS=$home/scripts
+    export BLENDER_USER_DATAFILES=$home/datafiles BLENDER_USER_EXTENSIONS=$home/extensions
+    export XDG_CACHE_HOME=$home/cache TMPDIR=$home/tmp
+}
+
+# Counts, added up over everything that ran.
+passed=0 failed=0 skipped=0
+
+# number WHAT LINE: the number before WHAT. count LINE: add what the line says passed, failed and was skipped.
+number() { { grep -oE "[0-9]+ ($1)" <<<"$2" || echo 0; } | awk '{ n += $1 } END { print n }'; }
+count() {
+    passed=$((passed + $(number passed "$1")))
+    failed=$((failed + $(number 'failed|error' "$1")))
+    skipped=$((skipped + $(number skipped "$1")))
+}
+
+# Tests run in a process group of their own, which Ctrl-C does not reach, so pass the wish to stop on.
+running=
+trap '[[ ! $running ]] || kill "$running" 2>/dev/null; exit 130' INT TERM
+
+# run_counted NAME SECONDS COMMAND...: run a test program, show and keep its output, and count what it says it ran.
+# A program that fails without naming a failed test, or that names no test at all, is itself one failure.
+run_counted() {
+    local name=$1 limit=$2 log=$build/logs/$1.log line output tee status=0
+    shift 2
+    say "$name"
+    mkdir -p "$build/logs"
+    exec {output}> >(tee "$log")
+    tee=$!
+    timeout --kill-after 10 "$limit" "$@" >&"$output" 2>&1 {output}>&- &
+    running=$!
+    exec {output}>&-
+    wait "$running" || status=$?
+    running=
+    wait "$tee"
+    line=$(result_line "$log")
+    count "$line"
+    if [[ ! $line =~ [1-9][0-9]*\ (passed|failed|skipped|error) ]] || ((status && $(number 'failed|error' "$line") == 0)); then
+        ((status != 124)) || echo "$name: stopped after $limit s"
+        echo "$name: ended with status $status; this counts as one failure"
+        failed=$((failed + 1))
+    fi
+}
+
+# The totals in a log: our own last line, or GoogleTest's "[  PASSED  ] 3 tests." as "3 passed", or pytest's last line.
+result_line() {
+    local ours='^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$' google
+    tail -n 1 "$1" | grep -E "$ours" && return
+    google=$(sed -nE 's/^\[ +(PASSED|FAILED|SKIPPED) +\] ([0-9]+) tests?[.,].*/\2 \L\1/p' "$1" | paste -sd ' ')
+    [[ ! $google ]] || { echo "$google" && return; }
+    grep -E '[0-9]+ (passed|failed|skipped|errors?)' "$1" | tail -n 1 || true
+}
+
+# The last line of every script that tests, and its exit status.
+summary() {
+    printf '\n%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
+    ((failed == 0 && passed > 0))
+}
