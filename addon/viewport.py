@@ -23,7 +23,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from . import core, scene
+from . import core, log, props, scene
 
 SHADING_TYPES = ("SOLID", "MATERIAL")  # where the overlay draws
 
@@ -36,13 +36,6 @@ OPAQUE_DEPTH = 12.0
 BRICK = 4  # cells along the edge of a brick of LitMedium.clearance
 
 PICTURES_KEPT = 8  # a quad view has four
-
-# Arguments of sfumato.Frame.
-QUALITY = {
-    "DRAFT": {"coefficients": 15, "texels_per_cell": 0.5, "steps_per_cell": 0.5},
-    "PREVIEW": {"coefficients": 31, "texels_per_cell": 1.0, "steps_per_cell": 1.0},
-    "FINAL": {"coefficients": 63, "texels_per_cell": 2.0, "steps_per_cell": 2.0},
-}
 
 
 # Shaders ------------------------------------------------------------------------------------------------------------
@@ -103,6 +96,17 @@ def _composite_shader() -> Any:
         info.fragment_out(0, "VEC4", "colour")
 
     return _compile("composite", declare, ["viewport/composite_fragment.glsl"])
+
+
+def _background_shader() -> Any:
+    def declare(info: Any) -> None:
+        info.push_constant("FLOAT", "gain")
+        info.push_constant("VEC3", "background")
+        info.sampler(0, "FLOAT_2D", "radiance")
+        info.sampler(1, "FLOAT_2D", "transmittance")
+        info.fragment_out(0, "VEC4", "colour")
+
+    return _compile("background", declare, ["viewport/background_fragment.glsl"])
 
 
 # Textures -----------------------------------------------------------------------------------------------------------
@@ -280,6 +284,20 @@ class Painter:
             shader.uniform_float("least_alpha", least_alpha)
             self._draw(shader)
 
+    def dim_background(self, picture: _Picture, gain: float, background: tuple[float, float, float]) -> None:
+        """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""
+        import gpu
+
+        shader = self._shader("background", _background_shader)
+        with _plain_state():
+            gpu.state.blend_set("MULTIPLY")
+            shader.bind()
+            shader.uniform_sampler("radiance", picture.radiance)
+            shader.uniform_sampler("transmittance", picture.transmittance)
+            shader.uniform_float("gain", gain)
+            shader.uniform_float("background", background)
+            self._draw(shader)
+
 
 _painter: Painter | None = None
 
@@ -323,8 +341,6 @@ class _Overlay:
 
     def __init__(self) -> None:
         self.dirty = True
-        self.message = ""
-        self.notices: list[str] = []
         self._frame: Any = None
         self._frame_key: tuple[Any, ...] = ()
         self._target: Any = None
@@ -344,8 +360,7 @@ class _Overlay:
         self._target = None
         with self._reporting():
             context = bpy.context
-            settings = context.scene.sfumato
-            if settings.viewport_enabled and context.space_data.shading.type in SHADING_TYPES:
+            if props.of(context.scene).viewport_enabled and context.space_data.shading.type in SHADING_TYPES:
                 import gpu
 
                 self._target = gpu.state.active_framebuffer_get()
@@ -362,37 +377,46 @@ class _Overlay:
                 return
             view, matrix, width, height = _view_of(context)
             picture = painter().picture(view, frame, matrix, width, height, overlay=True)
+            exposure = 2.0**context.scene.view_settings.exposure
+            gain = 1.0 if _blender_applies_exposure(context.space_data.shading) else exposure
             with target.bind():
                 painter().composite(picture.transmittance, "MULTIPLY", 1.0, 1.0)
-                painter().composite(picture.radiance, "ADDITIVE_PREMULT", _exposure_gain(context), 0.0)
+                painter().composite(picture.radiance, "ADDITIVE_PREMULT", gain, 0.0)
+            painter().dim_background(picture, exposure, _background(context))
 
     def _current_frame(self, context: bpy.types.Context) -> Any:
-        key = (context.scene.as_pointer(), context.view_layer.name, context.scene.sfumato.quality)
+        key = (context.scene.as_pointer(), context.view_layer.name, props.of(context.scene).quality)
         if self.dirty or key != self._frame_key:
             self.dirty, self._frame_key, self._frame = False, key, None  # a failure waits for the next change
             export = scene.export(context.evaluated_depsgraph_get())
-            self.notices = list(export.notices)
-            self._frame = core.module().Frame(export.scene, **QUALITY[context.scene.sfumato.quality])
-            self.message = ""
+            quality = props.QUALITIES[props.of(context.scene).quality]
+            self._frame = core.module().Frame(export.scene, **quality.frame)
+            log.replace("viewport", export.notices)
         return self._frame
 
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:
-        """An exception in a draw callback would come back with every redraw: keep it as a message, print it once."""
+        """An exception in a draw callback would come back with every redraw: say it once, in the panel."""
         try:
             yield
-        except Exception as error:
-            message = f"{type(error).__name__}: {error}"
-            if message != self.message:
-                print(f"Sfumato: the viewport cannot show smoke. {message}")
-            self.message = message
+        except Exception as error:  # whatever it is, Blender must go on drawing
+            log.replace("viewport", [f"The overlay cannot be drawn: {error or type(error).__name__}"])
 
 
-def _exposure_gain(context: bpy.types.Context) -> float:
+def _blender_applies_exposure(shading: bpy.types.View3DShading) -> bool:
     """Blender applies the scene's exposure only in views that are lit by the scene; our smoke always is."""
+    return shading.type == "MATERIAL" and (shading.use_scene_lights or shading.use_scene_world)
+
+
+def _background(context: bpy.types.Context) -> tuple[float, float, float]:
+    """The viewport's background, linear; of a gradient its upper end."""
     shading = context.space_data.shading
-    lit_by_scene = shading.type == "MATERIAL" and (shading.use_scene_lights or shading.use_scene_world)
-    return 1.0 if lit_by_scene else 2.0**context.scene.view_settings.exposure
+    if shading.background_type == "VIEWPORT":
+        return tuple(shading.background_color)
+    if shading.background_type == "WORLD" and context.scene.world is not None:
+        return tuple(context.scene.world.color)
+    theme = context.preferences.themes[0].view_3d.space.gradients.high_gradient
+    return tuple(theme.from_srgb_to_scene_linear())
 
 
 _overlay: _Overlay | None = None
@@ -420,6 +444,7 @@ def _on_change(*_: Any) -> None:
 def _on_load(*_: Any) -> None:
     if _overlay is not None:
         _overlay.forget()
+    log.clear()
     free()
 
 
@@ -459,13 +484,3 @@ def free() -> None:
     """Free every GPU object. What is drawn next makes its own again."""
     global _painter
     _painter = None
-
-
-def message() -> str:
-    """What keeps the overlay from drawing, or the empty string."""
-    return _overlay.message if _overlay is not None else ""
-
-
-def notices() -> list[str]:
-    """What the scene holds that the overlay does not show."""
-    return _overlay.notices if _overlay is not None else []

@@ -9,7 +9,8 @@
 //
 // Variants:
 //   COLOURS     1 where all colours have the same extinction, so that one march serves them, else 3
-//   OVERLAY     the surfaces are Blender's own picture: all we can do is multiply it by `transmittance` and add `radiance`
+//   OVERLAY     the surfaces are Blender's own picture: it is multiplied by `transmittance`, whose alpha tells
+//               surfaces (1) from background (0), and `radiance` is added
 
 vec3 spread(float value[COLOURS])
 {
@@ -123,7 +124,7 @@ void main()
   float phase = henyey_greenstein(dot(view.sun.xyz, -ray.direction), view.extinction.w);
   vec3 smoke = view.source.xyz * phase * spread(scattered);
 #ifdef OVERLAY
-  transmittance = vec4(spread(to_eye) * (1.0f - view.sun.w * surface.x * (1.0f - spread(to_sun))), 1.0f);
+  transmittance = vec4(spread(to_eye) * (1.0f - view.sun.w * surface.x * (1.0f - spread(to_sun))), pick(hit, 1.0f, 0.0f));
   radiance = vec4(smoke, 0.0f);
 #else
   float alpha = 1.0f - dot(spread(to_eye), vec3(1.0f / 3.0f));
