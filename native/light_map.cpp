@@ -101,7 +101,7 @@ void LightMap::look_up(std::span<const float> points, std::span<float> columns) 
 }
 
 LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const SurfaceView &surfaces, int count,
-                         double texels_per_cell) {
+                         double texels_per_cell, const Kernels &with) {
     const glm::dmat3 axes = light_axes(sun);
     const glm::dmat3 to_light = glm::transpose(axes);
     glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
@@ -148,13 +148,13 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
         row.width = map.size.x;
         row.y = y;
         row.coefficients = map.coefficients.data() + static_cast<std::ptrdiff_t>(y) * map.size.x * count;
-        kernels().project_row(row);
+        with.project_row(row);
     });
     find_solids(map, surfaces);
     return map;
 }
 
-void light_medium(CroppedMedium &medium, const LightMap &map) {
+void light_medium(CroppedMedium &medium, const LightMap &map, const Kernels &with) {
     LightSlice slice;
     slice.map = map.view();
     slice.clearance = medium.clearances();
@@ -170,7 +170,7 @@ void light_medium(CroppedMedium &medium, const LightMap &map) {
     oneapi::tbb::parallel_for(0, medium.resolution.z, [&, slice](int z) {
         LightSlice own = slice;
         own.z = z;
-        kernels().light_slice(own);
+        with.light_slice(own);
     });
 }
 

@@ -34,9 +34,9 @@ glm::dmat3 light_axes(const Sun &sun);
 
 // `texels_per_cell` relates the map's texels to the edges of the medium's cells.
 LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const SurfaceView &surfaces, int count,
-                         double texels_per_cell);
+                         double texels_per_cell, const Kernels &with = kernels());
 
 // Fills the medium's channels of arriving light.
-void light_medium(CroppedMedium &medium, const LightMap &map);
+void light_medium(CroppedMedium &medium, const LightMap &map, const Kernels &with = kernels());
 
 } // namespace sfumato

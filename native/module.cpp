@@ -14,8 +14,8 @@ namespace {
 
 using namespace arguments;
 
-void add_mesh(Scene &scene, const Floats &vertices, const Integers &triangles, const Floats &corner_normals,
-              const Integers &material, const Floats &albedo) {
+void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
+              const Doubles &material, const Floats &albedo) {
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
     const py::ssize_t count = triangles.shape(0);
@@ -25,25 +25,19 @@ void add_mesh(Scene &scene, const Floats &vertices, const Integers &triangles, c
     require_finite(vertices, "vertices");
     require_finite(corner_normals, "corner_normals");
     require_range(albedo, 0.0F, 1.0F, "albedo");
+    const std::vector<std::uint32_t> corners = indices(triangles, vertices.shape(0), "triangles");
     Mesh mesh;
+    mesh.material = indices(material, albedo.shape(0), "material");
     const auto vectors = [](const Floats &array, std::vector<glm::vec3> &out) {
         const auto *first = reinterpret_cast<const glm::vec3 *>(array.data());
         out.assign(first, first + array.size() / 3);
     };
     vectors(vertices, mesh.vertices);
     vectors(albedo, mesh.albedo);
-    mesh.triangles.reserve(static_cast<std::size_t>(count));
-    mesh.corner_normals.reserve(static_cast<std::size_t>(count));
-    mesh.material.reserve(static_cast<std::size_t>(count));
     const auto *normals = reinterpret_cast<const glm::vec3 *>(corner_normals.data());
-    for (py::ssize_t t = 0; t < count; ++t) {
-        for (py::ssize_t corner = 0; corner < 3; ++corner) {
-            require_range<std::int64_t>(triangles.at(t, corner), 0, vertices.shape(0) - 1, "triangles");
-        }
-        require_range<std::int64_t>(material.at(t), 0, albedo.shape(0) - 1, "material");
-        mesh.triangles.emplace_back(triangles.at(t, 0), triangles.at(t, 1), triangles.at(t, 2));
-        mesh.corner_normals.push_back({normals[3 * t], normals[3 * t + 1], normals[3 * t + 2]});
-        mesh.material.push_back(static_cast<std::uint32_t>(material.at(t)));
+    for (std::size_t first = 0; first < corners.size(); first += 3) {
+        mesh.triangles.emplace_back(corners[first], corners[first + 1], corners[first + 2]);
+        mesh.corner_normals.push_back({normals[first], normals[first + 1], normals[first + 2]});
     }
     scene.meshes.push_back(std::move(mesh));
 }
@@ -253,6 +247,8 @@ Raises ValueError if it cannot be inverted.
              py::arg("view_projection"))
         .def_property_readonly("corners", &corners,
                                "(6, 3): near0, near_u, near_v, far0, far_u, far_v of shaders/camera.glsl.");
+
+    bind_reference(m);
 
     py::class_<CroppedMedium>(m, "LitMedium", "The smoke of a frame, cropped, with the light that reaches it.")
         .def_property_readonly("lit_volume", &lit_volume,
