@@ -25,11 +25,10 @@ bl_info = {
 def __getattr__(name: str) -> Any:
     if name.startswith("__"):
         raise AttributeError(name)
-    # AttributeError whatever is wrong: `from . import scene`, too, asks here before it looks for a file.
     try:
         return getattr(core.module(), name)
-    except core.Missing as error:
-        raise AttributeError(f"{__name__}.{name}: {error}") from error
+    except core.Missing as error:  # the import system asks for attributes too, and knows only this exception
+        raise AttributeError(f"sfumato.{name}: {error}") from error
 
 
 def register() -> None:

@@ -35,13 +35,14 @@ def domain_settings(thing: Any) -> Any | None:
 
 def medium_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: list[str]) -> Medium | None:
     """The smoke of an object at this frame, None if it is not smoke. Raises ValueError for smoke that is not there."""
+    if thing.type != "VOLUME" and domain_settings(thing) is None:
+        return None
+    if abs(float(np.linalg.det(matrix[:3, :3]))) < 1e-12:
+        raise ValueError(f"its scale {tuple(np.linalg.norm(matrix[:3, :3], axis=0))} leaves the smoke no room")
     if thing.type == "VOLUME":
         density, grid_to_object = volume_grid(thing.data)
     else:
-        settings = domain_settings(thing)
-        if settings is None:
-            return None
-        density, grid_to_object = domain_grid(settings, depsgraph.scene.frame_current)
+        density, grid_to_object = domain_grid(domain_settings(thing), depsgraph.scene.frame_current)
     if not np.isfinite(density).all():
         raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
     scattering, absorption, anisotropy = materials.cross_sections(thing, notices)

@@ -115,7 +115,7 @@ inline py::array_t<float> to_numpy(std::vector<float> values, std::vector<py::ss
     const float *data = owner->data();
     const py::capsule keep(owner.get(),
                            [](void *p) { std::unique_ptr<std::vector<float>>(static_cast<std::vector<float> *>(p)); });
-    owner.release();
+    static_cast<void>(owner.release()); // the capsule owns it now
     return py::array_t<float>(std::move(shape), data, keep);
 }
 
