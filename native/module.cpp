@@ -300,9 +300,11 @@ resolution and the march along view rays to the cells of the medium.
 edge_samples are taken where surfaces or their shadows change, one elsewhere. progress(done) is called with the
 share of the work that is done; when it returns False the result is None.
 )")
-        .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("lit") = true,
-             R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: visibility of
-the sun times the cosine of its angle) and the distance to it in metres, the far plane's where there is none.
+        .def(
+            "surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("lit") = true,
+            R"((height, width, 4) float32 without the smoke: the radiance of the first surface, and the distance to it in
+metres, the far plane's where there is none. Not lit: the cosine between its normal and the sun in place of the
+radiance, 0 where it faces away and where a solid keeps the sun from the smoke as well as from the surface.
 )")
         .def("transmittance", &transmittance_at, py::arg("points"),
              R"(The share of the sun's light that the smoke lets through to each of points (..., 3): (..., 3), RGB.
