@@ -25,7 +25,10 @@ bl_info = {
 def __getattr__(name: str) -> Any:
     if name.startswith("__"):
         raise AttributeError(name)
-    return getattr(core.module(), name)
+    try:
+        return getattr(core.module(), name)
+    except core.Missing as error:  # the import system asks for attributes too, and knows only this exception
+        raise AttributeError(f"sfumato.{name}: {error}") from error
 
 
 def register() -> None:

@@ -34,7 +34,7 @@ def corner_normals(mesh: Any) -> NDArray[np.float32]:
 
 def light_colour(light: Any) -> NDArray[np.float64]:
     """Colour times strength of a light, in its own unit."""
-    colour = np.array(light.color, dtype=np.float64) * light.energy
+    colour: NDArray[np.float64] = np.array(light.color, dtype=np.float64) * light.energy
     if hasattr(light, "exposure"):  # 4.5
         colour = colour * 2.0**light.exposure
     if getattr(light, "use_temperature", False):

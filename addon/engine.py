@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import compat, core, props, scene
+from . import compat, core, log, props, scene, viewport
 
 
 class SfumatoEngine(bpy.types.RenderEngine):
@@ -17,6 +17,8 @@ class SfumatoEngine(bpy.types.RenderEngine):
     bl_label = "Sfumato"
     bl_use_preview = False
     bl_use_shading_nodes_custom = False
+    # Made by view_update, drawn by view_draw; None where there is nothing to draw.
+    view_frame: Any = None
 
     def render(self, depsgraph: Any) -> None:
         settings = depsgraph.scene
@@ -24,8 +26,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
         try:
             native = core.module()
             export = scene.export(depsgraph)
-            for notice in export.notices:
-                self.report({"WARNING"}, notice)
+            log.replace("render", export.notices)
             camera = camera_of(settings, depsgraph)
             if camera is None:
                 self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
@@ -36,7 +37,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
             image = frame.render(
                 native.Camera(window @ camera), *extent, edge_samples=quality.edge_samples, progress=self.go_on
             )
-        except core.Missing as error:
+        except (core.Missing, ValueError, RuntimeError) as error:
             self.report({"ERROR"}, str(error))
             return
         if image is None:
@@ -46,6 +47,25 @@ class SfumatoEngine(bpy.types.RenderEngine):
         result = self.begin_result(*offset, *extent, layer=depsgraph.view_layer.name)
         compat.set_pixels(result.layers[0], image)
         self.end_result(result)
+
+    def view_update(self, context: Any, depsgraph: Any) -> None:
+        self.view_frame = None
+        try:
+            export = scene.export(depsgraph)
+            quality = props.QUALITIES[depsgraph.scene.sfumato.quality]
+            self.view_frame = core.module().Frame(export.scene, **quality.frame)
+            log.replace("view", export.notices)
+        except (core.Missing, ValueError, RuntimeError) as error:
+            log.replace("view", [str(error)])
+
+    def view_draw(self, context: Any, depsgraph: Any) -> None:
+        if self.view_frame is None:
+            return
+        try:
+            viewport.draw_rendered(self, context, depsgraph, self.view_frame)
+        except Exception as error:  # anything raised here would come back with every redraw
+            self.view_frame = None
+            log.replace("view", [f"The view cannot be drawn: {type(error).__name__}: {error}"])
 
     def go_on(self, done: float) -> bool:
         self.update_progress(done)
@@ -70,9 +90,7 @@ def camera_of(settings: Any, depsgraph: Any) -> NDArray[np.float64] | None:
     return np.array(projection, dtype=np.float64) @ np.array(view, dtype=np.float64)
 
 
-def border_of(
-    render: Any, size: tuple[int, int]
-) -> tuple[NDArray[np.float64], tuple[int, int], tuple[int, int]]:
+def border_of(render: Any, size: tuple[int, int]) -> tuple[NDArray[np.float64], tuple[int, int], tuple[int, int]]:
     """The render border: a zoom of clip space onto it, its lower left pixel, its size in pixels."""
     window = np.eye(4)
     if not render.use_border:

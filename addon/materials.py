@@ -59,7 +59,9 @@ def surface_colour(material: Any, owner: str, notices: list[str]) -> NDArray[np.
         return None if output.inputs["Volume"].is_linked else np.zeros(3)
     name = COLOUR_SOCKETS.get(shader.type)
     if name is None:
-        notices.append(f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour")
+        notices.append(
+            f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour"
+        )
         return np.array(material.diffuse_color[:3])
     colour: NDArray[np.float64] = value_of(shader, name, owner, notices)
     return colour

@@ -5,14 +5,20 @@ from __future__ import annotations
 
 import bpy
 
-from . import engine, props
+from . import engine, log, props, ui, viewport
 
 
 def register() -> None:
     props.register()
     bpy.utils.register_class(engine.SfumatoEngine)
+    ui.register()
+    if not bpy.app.background:
+        viewport.enable()
 
 
 def unregister() -> None:
+    viewport.disable()
+    ui.unregister()
     bpy.utils.unregister_class(engine.SfumatoEngine)
     props.unregister()
+    log.clear()

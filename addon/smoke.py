@@ -6,10 +6,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import materials
+from . import core, materials
 
 
 @dataclass
@@ -34,13 +35,31 @@ def domain_settings(thing: Any) -> Any | None:
 
 def medium_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: list[str]) -> Medium | None:
     """The smoke of an object at this frame, None if it is not smoke. Raises ValueError for smoke that is not there."""
-    settings = domain_settings(thing)
-    if settings is None:
+    if thing.type != "VOLUME" and domain_settings(thing) is None:
         return None
-    frame = depsgraph.scene.frame_current
+    if abs(float(np.linalg.det(matrix[:3, :3]))) < 1e-12:
+        raise ValueError(f"its scale {tuple(np.linalg.norm(matrix[:3, :3], axis=0))} leaves the smoke no room")
+    if thing.type == "VOLUME":
+        density, grid_to_object = volume_grid(thing.data)
+    else:
+        density, grid_to_object = domain_grid(domain_settings(thing), depsgraph.scene.frame_current)
+    if not np.isfinite(density).all():
+        raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
+    scattering, absorption, anisotropy = materials.cross_sections(thing, notices)
+    if thing.type == "VOLUME" and thing.data.render.space == "OBJECT":
+        # A volume's density is per unit of the object's own space, a domain's per metre.
+        scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
+        if scale > 0.0:
+            scattering, absorption = scattering / scale, absorption / scale
+    return Medium(density, matrix @ grid_to_object, scattering, absorption, anisotropy)
+
+
+def domain_grid(settings: Any, frame: int) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Density (z, y, x) of a Mantaflow domain, and the matrix from its cells to the object."""
+    missing = f"no smoke at frame {frame}: bake the domain, or find its cache, '{settings.cache_directory}'"
     cells = len(settings.density_grid)
     if cells == 0:
-        raise ValueError(f"no smoke at frame {frame}. Bake the domain; its cache is '{settings.cache_directory}'")
+        raise ValueError(missing)
     density = np.empty(cells, dtype=np.float32)
     settings.density_grid.foreach_get(density)
     resolution = np.array(settings.domain_resolution, dtype=np.int64)
@@ -49,13 +68,21 @@ def medium_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: 
     finer = round((cells / base) ** (1.0 / 3.0)) if base else 0
     if finer < 1 or base * finer**3 != cells:
         raise ValueError(f"its grid of {cells} cells does not fit its resolution {tuple(resolution)}")
-    resolution *= finer
-    if not np.isfinite(density).all():
-        raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells at frame {frame}")
     if not density.any():
-        raise ValueError(f"the smoke is empty at frame {frame}. Bake it, or look for '{settings.cache_directory}'")
+        raise ValueError(missing)
     grid_to_object = np.diag([*(np.array(settings.cell_size) / finer), 1.0])
     grid_to_object[:3, 3] = settings.start_point
-    scattering, absorption, anisotropy = materials.cross_sections(thing, notices)
-    nx, ny, nz = resolution
-    return Medium(density.reshape(nz, ny, nx), matrix @ grid_to_object, scattering, absorption, anisotropy)
+    nx, ny, nz = resolution * finer
+    return density.reshape(nz, ny, nx), grid_to_object
+
+
+def volume_grid(volume: Any) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Density (z, y, x) of a Volume object's file at this frame, and the matrix from its cells to the object."""
+    if not volume.filepath:
+        raise ValueError("no file: choose an OpenVDB file")
+    volume.grids.load()
+    path = volume.grids.frame_filepath or bpy.path.abspath(volume.filepath, library=volume.library)
+    density, grid_to_object = core.module().read_volume(path)
+    if density.size == 0:
+        raise ValueError(f"'{path}' holds no smoke")
+    return density, grid_to_object

@@ -30,9 +30,10 @@ struct Image {
     std::vector<float> distance;
 
     Image(int w, int h)
-        : width(w), height(h), rgba(4 * pixels()), surfaces(pixels()), seen(pixels()), distance(pixels()) {}
-    [[nodiscard]] std::size_t pixels() const {
-        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+        : width(w), height(h), rgba(4 * at(0, h)), surfaces(at(0, h)), seen(at(0, h)), distance(at(0, h)) {}
+
+    [[nodiscard]] std::size_t at(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
     }
 };
 
@@ -73,8 +74,7 @@ void trace_row(const Kernels &with, const FrameView &view, const std::vector<Fil
 bool is_edge(const Image &image, int x, int y) {
     constexpr float CONTRAST = 0.03F;
     const auto at = [&image](int i, int j) {
-        return static_cast<std::size_t>(std::clamp(j, 0, image.height - 1)) * static_cast<std::size_t>(image.width) +
-               static_cast<std::size_t>(std::clamp(i, 0, image.width - 1));
+        return image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1));
     };
     const std::size_t centre = at(x, y);
     const float *rgba = image.rgba.data() + 4 * centre;
@@ -120,8 +120,7 @@ void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<
             sum[3] += static_cast<double>(light.alpha[lane]);
         }
     }
-    float *rgba = image.rgba.data() + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                           static_cast<std::size_t>(x));
+    float *rgba = image.rgba.data() + 4 * image.at(x, y);
     for (std::size_t c = 0; c < 4; ++c) {
         rgba[c] = static_cast<float>(sum[c] / count);
     }
@@ -205,6 +204,7 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
     }
     if (refine) {
         std::vector<std::vector<FilmSample>> patterns;
+        patterns.reserve(FILM_TURNS);
         for (int turn = 0; turn < FILM_TURNS; ++turn) {
             patterns.push_back(film_samples(edge_samples, turn));
         }
@@ -237,9 +237,7 @@ std::vector<float> Frame::surfaces(const Camera &camera, int width, int height, 
     const std::vector<FilmSample> centre{{0.0F, 0.0F, 0.0F, 0.0F}};
     oneapi::tbb::parallel_for(0, height, [&](int y) {
         trace_row(*kernels_, frame, centre, image, y);
-        for (std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(width),
-                         end = pixel + static_cast<std::size_t>(width);
-             pixel < end; ++pixel) {
+        for (std::size_t pixel = image.at(0, y); pixel < image.at(0, y + 1); ++pixel) {
             image.rgba[4 * pixel + 3] = image.distance[pixel];
         }
     });

@@ -89,8 +89,8 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
                u * gather(view.corner_normals + 3 + axis, corners) +
                v * gather(view.corner_normals + 6 + axis, corners);
     };
-    // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by its
-    // own angle to the ray would flip it at the rim of smooth objects.
+    // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by
+    // its own angle to the ray would flip it at the rim of smooth objects.
     surface.normal = normalised({normal_axis(0), normal_axis(1), normal_axis(2)});
     const vec3 face = normalised(
         {Real::load_aligned(rays.hit.Ng_x), Real::load_aligned(rays.hit.Ng_y), Real::load_aligned(rays.hit.Ng_z)});

@@ -17,7 +17,7 @@ namespace {
 
 // What each slice of the light's path adds to each coefficient, per unit of density: eqs 1-2 for slabs.
 std::vector<float> slice_weights(int slices, int count, double path) {
-    std::vector<float> weights(static_cast<std::size_t>(slices) * count);
+    std::vector<float> weights(static_cast<std::size_t>(slices) * static_cast<std::size_t>(count));
     const float width = 1.0F / static_cast<float>(slices);
     const float length = static_cast<float>(path) * width;
     for (int s = 0; s < slices; ++s) {
@@ -37,7 +37,7 @@ std::vector<float> slice_weights(int slices, int count, double path) {
 
 // Where along each texel's light ray, in the map's depth, the first solid stands.
 void find_solids(LightMap &map, const SurfaceView &surfaces) {
-    map.solid_depth.assign(static_cast<std::size_t>(map.size.x) * map.size.y, std::numeric_limits<float>::max());
+    map.solid_depth.assign(map.texels(), std::numeric_limits<float>::max());
     if (surfaces.scene == nullptr) {
         return;
     }
@@ -60,7 +60,7 @@ void find_solids(LightMap &map, const SurfaceView &surfaces) {
             const glm::vec3 from(to_world * glm::dvec4((x + 0.5) / map.size.x, (y + 0.5) / map.size.y, nearest, 1.0));
             const float hit = first_hit(surfaces.scene, from, direction);
             if (std::isfinite(hit)) {
-                map.solid_depth[static_cast<std::size_t>(y) * map.size.x + x] =
+                map.solid_depth[static_cast<std::size_t>(y * map.size.x + x)] =
                     static_cast<float>(nearest + static_cast<double>(hit) / path);
             }
         }
@@ -136,7 +136,7 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
         texel_to_map[3][axis] = 0.5 * steps[axis];
     }
     const glm::dmat4 texel_to_grid = glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_map) * texel_to_map;
-    map.coefficients.resize(static_cast<std::size_t>(map.size.x) * map.size.y * count);
+    map.coefficients.resize(map.texels() * static_cast<std::size_t>(count));
     oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
         ProjectRow row;
         row.density = medium.grid();

@@ -22,6 +22,9 @@ struct LightMap {
     glm::dmat4 world_to_map{1.0}; // (x, y) over the map and z along the light, all in [0, 1]
 
     [[nodiscard]] LightMapView view() const;
+    [[nodiscard]] std::size_t texels() const {
+        return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
+    }
     // Column density between the sun and each of `points` (x, y, z in turn).
     void look_up(std::span<const float> points, std::span<float> columns) const;
 };

@@ -12,6 +12,15 @@
 namespace sfumato {
 namespace {
 
+std::size_t cells(const glm::ivec3 &n) {
+    return static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z);
+}
+
+// Where the row of cells along x at (y, z) begins.
+std::ptrdiff_t row_of(const glm::ivec3 &n, int y, int z) {
+    return (static_cast<std::ptrdiff_t>(z) * n.y + y) * n.x;
+}
+
 struct Bounds {
     glm::ivec3 low{std::numeric_limits<int>::max()};
     glm::ivec3 high{std::numeric_limits<int>::min()}; // exclusive
@@ -42,11 +51,11 @@ Bounds occupied_bounds(const Medium &medium, float threshold) {
 // A brick may meet smoke if any sample that interpolation inside it can reach is above the threshold.
 std::vector<float> occupied_bricks(const CroppedMedium &medium, float threshold) {
     const glm::ivec3 n = medium.resolution, bricks = medium.bricks;
-    std::vector<float> occupied(static_cast<std::size_t>(bricks.x) * bricks.y * bricks.z, 0.0F);
+    std::vector<float> occupied(cells(bricks), 0.0F);
     const auto mark = [&](int brick_z) {
         for (int z = std::max(0, brick_z * BRICK - 1); z <= std::min(n.z - 1, (brick_z + 1) * BRICK); ++z) {
             for (int y = 0; y < n.y; ++y) {
-                const float *row = medium.lit.data() + static_cast<std::ptrdiff_t>(z * n.y + y) * n.x * medium.channels;
+                const float *row = medium.lit.data() + row_of(n, y, z) * medium.channels;
                 for (int x = 0; x < n.x; ++x) {
                     if (row[static_cast<std::ptrdiff_t>(x) * medium.channels] <= threshold) {
                         continue;
@@ -55,7 +64,7 @@ std::vector<float> occupied_bricks(const CroppedMedium &medium, float threshold)
                     for (int by = std::max(0, (y - 1) / BRICK); by <= std::min(bricks.y - 1, (y + 1) / BRICK); ++by) {
                         for (int bx = std::max(0, (x - 1) / BRICK); bx <= std::min(bricks.x - 1, (x + 1) / BRICK);
                              ++bx) {
-                            occupied[static_cast<std::size_t>((brick_z * bricks.y + by) * bricks.x + bx)] = 1.0F;
+                            occupied[static_cast<std::size_t>(row_of(bricks, by, brick_z) + bx)] = 1.0F;
                         }
                     }
                 }
@@ -148,12 +157,11 @@ CroppedMedium crop(const Medium &medium) {
     for (int axis = 0; axis < 3; ++axis) {
         out.cell_size = std::min(out.cell_size, glm::length(glm::dvec3(to_world[axis])));
     }
-    out.lit.assign(static_cast<std::size_t>(out.channels) * out.resolution.x * out.resolution.y * out.resolution.z,
-                   0.0F);
+    out.lit.assign(static_cast<std::size_t>(out.channels) * cells(out.resolution), 0.0F);
     const glm::ivec3 size(medium.resolution);
     for (int z = bounds.low.z; z < bounds.high.z; ++z) {
         for (int y = bounds.low.y; y < bounds.high.y; ++y) {
-            const float *source = medium.density.data() + (static_cast<std::ptrdiff_t>(z) * size.y + y) * size.x;
+            const float *source = medium.density.data() + row_of(size, y, z);
             float *target =
                 out.lit.data() +
                 ((static_cast<std::ptrdiff_t>(z - bounds.low.z + 1) * out.resolution.y + (y - bounds.low.y + 1)) *

@@ -4,6 +4,7 @@
 #include "frame.hpp"
 #include "module_arguments.hpp"
 #include "module_parts.hpp"
+#include "volume_file.hpp"
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -154,6 +155,18 @@ py::array_t<float> corners(const Camera &camera) {
     return to_numpy(std::move(values), {6, 3});
 }
 
+py::tuple read_volume_file(const std::string &path, const std::string &grid) {
+    VolumeFile volume;
+    try {
+        const py::gil_scoped_release unlocked;
+        volume = read_volume(path, grid);
+    } catch (const std::runtime_error &error) {
+        throw py::value_error(std::string("path ") + error.what());
+    }
+    const glm::ivec3 n = volume.resolution;
+    return py::make_tuple(to_numpy(std::move(volume.density), {n.z, n.y, n.x}), to_numpy(volume.grid_to_object));
+}
+
 } // namespace
 } // namespace sfumato
 
@@ -165,6 +178,16 @@ PYBIND11_MODULE(sfumato, m) {
               "Anything unusable raises ValueError and says which argument it was.";
     m.attr("instruction_set") = kernels().name;
     bind_opacity(m);
+
+    m.def(
+        "read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",
+        R"(The active part of a grid of floats in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
+takes cells to the file's own space. Raises ValueError that names the file and the cause.
+
+>>> read_volume("missing.vdb")  # doctest: +ELLIPSIS
+Traceback (most recent call last):
+ValueError: path 'missing.vdb' cannot be read: ...
+)");
 
     py::class_<Scene>(m, "Scene", R"(Meshes, one medium and one sun.
 

@@ -150,7 +150,7 @@ py::array_t<Number> to_numpy(std::vector<Number> values, std::vector<py::ssize_t
     auto owner = std::make_unique<Values>(std::move(values));
     const Number *data = owner->data();
     const py::capsule keep(owner.get(), [](void *p) { std::unique_ptr<Values>(static_cast<Values *>(p)); });
-    owner.release();
+    static_cast<void>(owner.release()); // the capsule owns it now
     return py::array_t<Number>(std::move(shape), data, keep);
 }
 

@@ -92,6 +92,10 @@ inline Real column_density(const LightMapView &map, const Texels &texels, Real z
     const Real d = clamp(z, 0.0F, 1.0F);
     const Real a0 = coefficient(0);
     Real column = integral_constant(a0, d);
+    // Most of a floor lies behind all smoke or beside it, where the constant term is the whole answer.
+    if (xsimd::all((d >= 1.0F) | (d <= 0.0F) | (a0 <= 0.0F))) {
+        return max(column, 0.0F);
+    }
     const Harmonic first = harmonic(1.0F, d);
     Harmonic h = first;
     for (int k = 1; 2 * k < map.count; ++k) {

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels and preferences."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+import bpy
+
+from . import core, log, props
+
+ENGINE = "SFUMATO"
+# Blender's own panels that make sense here are those of its plainest engine, and for lights, worlds and materials
+# those of EEVEE, which has had three names.
+EEVEE = {"BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
+EEVEE_CONTEXTS = {"data", "world", "material"}
+
+
+def draw_notices(layout: Any, width: int) -> None:
+    """What cannot be shown and why, wrapped to `width` pixels."""
+    lines = [problem] if (problem := core.problem()) else log.notices()
+    for line in lines:
+        box = layout.box().column(align=True)
+        for index, part in enumerate(textwrap.wrap(line, max(20, width // 8))):
+            box.label(text=part, icon="INFO" if index == 0 else "BLANK1")
+
+
+class SfumatoViewportPanel(bpy.types.Panel):
+    bl_idname = "SFUMATO_PT_viewport"
+    bl_label = "Smoke"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Sfumato"
+
+    def draw(self, context: Any) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        settings = props.of(context.scene)
+        layout.prop(settings, "viewport_enabled")
+        layout.prop(settings, "quality")
+        draw_notices(layout, context.region.width)
+
+
+class SfumatoRenderPanel(bpy.types.Panel):
+    bl_idname = "SFUMATO_PT_render"
+    bl_label = "Smoke"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(context.engine == ENGINE)
+
+    def draw(self, context: Any) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        settings = props.of(context.scene)
+        layout.prop(settings, "quality")
+        layout.prop(settings, "viewport_enabled")
+        draw_notices(layout, context.region.width)
+
+
+class SfumatoPreferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+
+    def draw(self, context: Any) -> None:
+        problem = core.problem()
+        if problem:
+            for index, part in enumerate(textwrap.wrap(problem, 90)):
+                self.layout.label(text=part, icon="ERROR" if index == 0 else "BLANK1")
+        else:
+            self.layout.label(text=f"Ready, using {core.module().instruction_set} instructions", icon="CHECKMARK")
+
+
+CLASSES = (SfumatoViewportPanel, SfumatoRenderPanel, SfumatoPreferences)
+
+
+def borrowed_panels() -> list[Any]:
+    """Blender's panels that our engine shows too."""
+    return [
+        panel
+        for panel in bpy.types.Panel.__subclasses__()
+        if "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ())
+        or (EEVEE & set(getattr(panel, "COMPAT_ENGINES", ())) and getattr(panel, "bl_context", "") in EEVEE_CONTEXTS)
+    ]
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    for panel in borrowed_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def unregister() -> None:
+    for panel in borrowed_panels():
+        panel.COMPAT_ENGINES.discard(ENGINE)
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

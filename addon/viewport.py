@@ -1,0 +1,486 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smoke in the 3D viewport: the Rendered view of our engine, and smoke over Blender's own Solid and Material views.
+
+The only file that imports `gpu`, and only inside functions: there may be no GPU at all (`blender -b`).
+
+Both views are made the same way. One pass marches the smoke into a picture of its own, which is kept until the camera,
+the size or the frame changes; handing it to Blender is then a copy. Blender's viewport is scene-linear until its very
+end, where Blender applies the scene's view transform, so nothing here knows about colour management: `view_draw` draws
+into that target anyway, and the overlay fetches it in PRE_VIEW, where it is bound, to draw into it in POST_VIEW, when
+Blender's picture is there. (The target bound in POST_VIEW is the one for lines and text, which is not view-transformed.)
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+from . import core, log, props, scene
+
+SHADING_TYPES = ("SOLID", "MATERIAL")  # where the overlay draws
+
+# The share of the light on a surface that the sun is taken to give, in views that are not lit by the sun alone.
+SHADOW_STRENGTH = 0.8
+
+# The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
+OPAQUE_DEPTH = 12.0
+
+BRICK = 4  # cells along the edge of a brick of LitMedium.clearance
+
+PICTURES_KEPT = 8  # a quad view has four
+
+
+# Shaders ------------------------------------------------------------------------------------------------------------
+
+
+class ShaderError(RuntimeError):
+    """A shader did not compile; Blender has printed the compiler's log on the standard error."""
+
+
+def _shader_text(name: str) -> str:
+    here = Path(__file__).resolve().parent
+    folder = here / "shaders" if (here / "shaders").is_dir() else here.parent / "shaders"
+    return (folder / name).read_text(encoding="utf-8")
+
+
+def _compile(name: str, declare: Callable[[Any], None], fragment: list[str]) -> Any:
+    """Compile the screen triangle with a fragment shader put together from the files `fragment`; the last has main()."""
+    import gpu
+
+    info = gpu.types.GPUShaderCreateInfo()
+    info.vertex_in(0, "VEC2", "corner")
+    declare(info)
+    info.vertex_source(_shader_text("viewport/screen_vertex.glsl"))
+    prelude = "#define pick(condition, a, b) ((condition) ? (a) : (b))\n"
+    info.fragment_source(prelude + "".join(_shader_text(file) for file in fragment))
+    try:
+        return gpu.shader.create_from_info(info)
+    except Exception as error:  # gpu raises the bare class
+        raise ShaderError(f"shaders/{fragment[-1]} ({name}): {error}") from error
+
+
+def _smoke_shader(colours: int, overlay: bool) -> Any:
+    def declare(info: Any) -> None:
+        info.define("COLOURS", str(colours))
+        info.define("OPAQUE_DEPTH", f"{OPAQUE_DEPTH:.1f}f")
+        if overlay:
+            info.define("OVERLAY", "1")
+            info.fragment_out(1, "VEC4", "transmittance")
+        info.fragment_out(0, "VEC4", "radiance")
+        info.typedef_source(_shader_text("viewport/smoke_uniforms.glsl"))
+        info.uniform_buf(0, "SmokeView", "view")
+        info.sampler(0, "FLOAT_2D", "surfaces")
+        info.sampler(1, "FLOAT_3D", "lit_volume")
+        info.sampler(2, "FLOAT_3D", "clearance")
+        info.sampler(3, "FLOAT_2D_ARRAY", "light_map")
+
+    shared = ["camera.glsl", "opacity.glsl", "phase.glsl", "medium.glsl"]
+    return _compile(
+        f"{colours} colours{', overlay' if overlay else ''}", declare, shared + ["viewport/smoke_fragment.glsl"]
+    )
+
+
+def _composite_shader() -> Any:
+    def declare(info: Any) -> None:
+        info.push_constant("FLOAT", "gain")
+        info.push_constant("FLOAT", "least_alpha")
+        info.sampler(0, "FLOAT_2D", "picture")
+        info.fragment_out(0, "VEC4", "colour")
+
+    return _compile("composite", declare, ["viewport/composite_fragment.glsl"])
+
+
+def _background_shader() -> Any:
+    def declare(info: Any) -> None:
+        info.push_constant("FLOAT", "gain")
+        info.push_constant("VEC3", "background")
+        info.sampler(0, "FLOAT_2D", "radiance")
+        info.sampler(1, "FLOAT_2D", "transmittance")
+        info.fragment_out(0, "VEC4", "colour")
+
+    return _compile("background", declare, ["viewport/background_fragment.glsl"])
+
+
+# Textures -----------------------------------------------------------------------------------------------------------
+
+
+def _texture(size: tuple[int, ...], channels: str, data: np.ndarray, layers: int = 0) -> Any:
+    import gpu
+
+    flat = np.ascontiguousarray(data, dtype=np.float32).ravel()
+    buffer = gpu.types.Buffer("FLOAT", flat.size, flat)
+    return gpu.types.GPUTexture(size, layers=layers, format=f"{channels}32F", data=buffer)
+
+
+def light_map_layers(light_map: np.ndarray) -> np.ndarray:
+    """(h, w, 1+2m) coefficients a0, a1, b1, ... as (layers, h, w, 4): a_2j, b_2j, a_2j+1, b_2j+1, with b_0 = 0."""
+    height, width, coefficients = light_map.shape
+    layers = (coefficients + 1 + 3) // 4
+    pairs = np.zeros((height, width, 4 * layers), np.float32)
+    pairs[..., 0] = light_map[..., 0]
+    pairs[..., 2 : coefficients + 1] = light_map[..., 1:]
+    return np.ascontiguousarray(pairs.reshape(height, width, layers, 4).transpose(2, 0, 1, 3))
+
+
+class _Smoke:
+    """The smoke of one frame on the GPU, and what the shader needs to know of it."""
+
+    def __init__(self, frame: Any) -> None:
+        self.frame = frame  # kept: its identity is the key
+        # Where there is no smoke, or no light on it, one empty cell stands in: the shader has one case less.
+        volume, clearance = np.zeros((1, 1, 1, 2), np.float32), np.zeros((1, 1, 1), np.float32)
+        light_map = np.zeros((1, 1, 1), np.float32)
+        uniforms = np.zeros((17, 4), np.float32)  # SmokeView; the rows that the camera decides stay empty
+        uniforms[13, 3] = frame.step_length
+        if frame.medium is not None:
+            medium = frame.medium
+            volume, clearance = medium.lit_volume, medium.clearance
+            uniforms[6:9] = np.linalg.inv(medium.grid_to_world)[:3]
+            uniforms[12] = (*medium.extinction, medium.anisotropy)
+            if frame.light_map is not None:
+                light_map = frame.light_map.coefficients
+                direction, irradiance, _angle = frame.sun
+                uniforms[9:12] = frame.light_map.world_to_map[:3]
+                uniforms[13, :3] = irradiance * medium.albedo
+                uniforms[14] = (*direction, SHADOW_STRENGTH)
+        nz, ny, nx, channels = volume.shape
+        uniforms[15] = (nx, ny, nz, 1.0 / BRICK)
+        uniforms[16, 2] = (light_map.shape[2] - 1) // 2
+        self.uniforms = uniforms
+        self.colours = channels - 1
+        self.lit_volume = _texture((nx, ny, nz), "RG" if channels == 2 else "RGBA", volume)
+        self.clearance = _texture(clearance.shape[::-1], "R", clearance)
+        layers = light_map_layers(light_map)
+        self.light_map = _texture(layers.shape[2:0:-1], "RGBA", layers, layers=layers.shape[0])
+
+    def uniform_buffer(self, corners: np.ndarray, width: int, height: int) -> Any:
+        import gpu
+
+        uniforms = self.uniforms.copy()
+        uniforms[:6, :3] = corners
+        uniforms[16, :2] = width, height
+        return gpu.types.GPUUniformBuf(gpu.types.Buffer("FLOAT", uniforms.size, uniforms.ravel()))
+
+
+# Pictures -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Picture:
+    """What the smoke pass made for one view: radiance, and in an overlay the transmittance of what lies behind."""
+
+    key: tuple[Any, ...]
+    frame: Any
+    radiance: Any
+    transmittance: Any | None
+    buffer: Any
+
+    def shows(self, key: tuple[Any, ...], frame: Any) -> bool:
+        return self.key == key and self.frame is frame
+
+
+@contextlib.contextmanager
+def _plain_state() -> Iterator[None]:
+    """No depth test, no blending; whatever was set comes back."""
+    import gpu
+
+    blend, depth_test, depth_mask = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
+    gpu.state.blend_set("NONE")
+    gpu.state.depth_test_set("NONE")
+    gpu.state.depth_mask_set(False)
+    try:
+        yield
+    finally:
+        gpu.state.blend_set(blend)
+        gpu.state.depth_test_set(depth_test)
+        gpu.state.depth_mask_set(depth_mask)
+
+
+class Painter:
+    """Owns every GPU object of the add-on. Dropping it frees them."""
+
+    def __init__(self) -> None:
+        self._shaders: dict[Any, Any] = {}
+        self._failures: dict[Any, str] = {}
+        self._smoke: dict[bool, _Smoke] = {}  # the overlay's, and the Rendered view's: their frames differ
+        self._pictures: OrderedDict[Any, _Picture] = OrderedDict()
+        self._triangle: Any = None
+
+    def _shader(self, key: Any, make: Callable[[], Any]) -> Any:
+        if key in self._failures:
+            raise ShaderError(self._failures[key])
+        if key not in self._shaders:
+            try:
+                self._shaders[key] = make()
+            except ShaderError as error:
+                self._failures[key] = str(error)  # so that the compiler's log is printed once
+                raise
+        return self._shaders[key]
+
+    def _draw(self, shader: Any) -> None:
+        from gpu_extras.batch import batch_for_shader
+
+        if self._triangle is None:
+            self._triangle = batch_for_shader(shader, "TRIS", {"corner": [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)]})
+        self._triangle.draw(shader)
+
+    def picture(self, view: Any, frame: Any, matrix: np.ndarray, width: int, height: int, overlay: bool) -> _Picture:
+        """The smoke seen through `matrix` (world -> NDC), from the cache if `view`, any hashable, shows it already."""
+        key = (matrix.tobytes(), width, height, overlay)
+        kept = self._pictures.get(view)
+        if kept is None or not kept.shows(key, frame):
+            self._pictures.pop(view, None)
+            kept = self._make_picture(key, frame, matrix, width, height, overlay)
+        self._pictures[view] = kept
+        self._pictures.move_to_end(view)
+        while len(self._pictures) > PICTURES_KEPT:
+            self._pictures.popitem(last=False)
+        return kept
+
+    def _make_picture(
+        self, key: tuple[Any, ...], frame: Any, matrix: np.ndarray, width: int, height: int, overlay: bool
+    ) -> _Picture:
+        import gpu
+
+        smoke = self._smoke.get(overlay)
+        if smoke is None or smoke.frame is not frame:
+            self._smoke.pop(overlay, None)  # free first: two large volumes may not fit
+            smoke = self._smoke[overlay] = _Smoke(frame)
+        shader = self._shader((smoke.colours, overlay), lambda: _smoke_shader(smoke.colours, overlay))
+
+        camera = core.module().Camera(matrix)
+        surfaces = _texture((width, height), "RGBA", frame.surfaces(camera, width, height, lit=not overlay))
+        targets = [gpu.types.GPUTexture((width, height), format="RGBA16F") for _ in range(2 if overlay else 1)]
+        buffer = gpu.types.GPUFrameBuffer(color_slots=targets)
+        uniforms = smoke.uniform_buffer(camera.corners, width, height)
+        with _plain_state(), buffer.bind():
+            shader.bind()
+            shader.uniform_block("view", uniforms)
+            shader.uniform_sampler("surfaces", surfaces)
+            shader.uniform_sampler("lit_volume", smoke.lit_volume)
+            shader.uniform_sampler("clearance", smoke.clearance)
+            shader.uniform_sampler("light_map", smoke.light_map)
+            self._draw(shader)
+        return _Picture(key, frame, targets[0], targets[1] if overlay else None, buffer)
+
+    def composite(self, texture: Any, blend: str, gain: float, least_alpha: float) -> None:
+        """Draw a texture of the target's size over what the bound target holds."""
+        import gpu
+
+        shader = self._shader("composite", _composite_shader)
+        with _plain_state():
+            gpu.state.blend_set(blend)
+            shader.bind()
+            shader.uniform_sampler("picture", texture)
+            shader.uniform_float("gain", gain)
+            shader.uniform_float("least_alpha", least_alpha)
+            self._draw(shader)
+
+    def dim_background(self, picture: _Picture, gain: float, background: tuple[float, float, float]) -> None:
+        """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""
+        import gpu
+
+        shader = self._shader("background", _background_shader)
+        with _plain_state():
+            gpu.state.blend_set("MULTIPLY")
+            shader.bind()
+            shader.uniform_sampler("radiance", picture.radiance)
+            shader.uniform_sampler("transmittance", picture.transmittance)
+            shader.uniform_float("gain", gain)
+            shader.uniform_float("background", background)
+            self._draw(shader)
+
+
+_painter: Painter | None = None
+
+
+def painter() -> Painter:
+    global _painter
+    if _painter is None:
+        _painter = Painter()
+    return _painter
+
+
+def _view_of(context: bpy.types.Context) -> tuple[int, np.ndarray, int, int]:
+    """A name for the view that is being drawn, its matrix from world to NDC, and its size in pixels."""
+    matrix = np.array(context.region_data.perspective_matrix, dtype=np.float64)
+    return (
+        context.region.as_pointer() ^ hash(context.region_data.as_pointer()),
+        matrix,
+        context.region.width,
+        context.region.height,
+    )
+
+
+# The Rendered view --------------------------------------------------------------------------------------------------
+
+
+def draw_rendered(
+    engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, frame: Any
+) -> None:
+    """Draw `frame`, a sfumato.Frame, as RenderEngine.view_draw should: scene-linear, Blender transforms it afterwards."""
+    view, matrix, width, height = _view_of(context)
+    picture = painter().picture(view, frame, matrix, width, height, overlay=False)
+    transparent = depsgraph.scene_eval.render.film_transparent
+    painter().composite(picture.radiance, "ALPHA_PREMULT", 1.0, 0.0 if transparent else 1.0)
+
+
+# The overlay --------------------------------------------------------------------------------------------------------
+
+
+class _Overlay:
+    """The draw handlers, and the frame that they show. Holds nothing of Blender's beyond one redraw."""
+
+    def __init__(self) -> None:
+        self.dirty = True
+        self._frame: Any = None
+        self._frame_key: tuple[Any, ...] = ()
+        self._target: Any = None
+        add = bpy.types.SpaceView3D.draw_handler_add
+        self._handles = [add(self._before, (), "WINDOW", "PRE_VIEW"), add(self._after, (), "WINDOW", "POST_VIEW")]
+
+    def remove(self) -> None:
+        for handle in self._handles:
+            bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+        self._handles.clear()
+
+    def forget(self) -> None:
+        self._frame, self._frame_key, self.dirty = None, (), True
+
+    def _before(self) -> None:
+        """PRE_VIEW: the scene-linear target of Blender's picture is bound."""
+        self._target = None
+        with self._reporting():
+            context = bpy.context
+            if props.of(context.scene).viewport_enabled and context.space_data.shading.type in SHADING_TYPES:
+                import gpu
+
+                self._target = gpu.state.active_framebuffer_get()
+
+    def _after(self) -> None:
+        """POST_VIEW: Blender's picture is in that target."""
+        target, self._target = self._target, None
+        if target is None:
+            return
+        with self._reporting():
+            context = bpy.context
+            frame = self._current_frame(context)
+            if frame is None or frame.medium is None:
+                return
+            view, matrix, width, height = _view_of(context)
+            picture = painter().picture(view, frame, matrix, width, height, overlay=True)
+            exposure = 2.0**context.scene.view_settings.exposure
+            gain = 1.0 if _blender_applies_exposure(context.space_data.shading) else exposure
+            with target.bind():
+                painter().composite(picture.transmittance, "MULTIPLY", 1.0, 1.0)
+                painter().composite(picture.radiance, "ADDITIVE_PREMULT", gain, 0.0)
+            painter().dim_background(picture, exposure, _background(context))
+
+    def _current_frame(self, context: bpy.types.Context) -> Any:
+        key = (context.scene.as_pointer(), context.view_layer.name, props.of(context.scene).quality)
+        if self.dirty or key != self._frame_key:
+            self.dirty, self._frame_key, self._frame = False, key, None  # a failure waits for the next change
+            export = scene.export(context.evaluated_depsgraph_get())
+            quality = props.QUALITIES[props.of(context.scene).quality]
+            self._frame = core.module().Frame(export.scene, **quality.frame)
+            log.replace("viewport", export.notices)
+        return self._frame
+
+    @contextlib.contextmanager
+    def _reporting(self) -> Iterator[None]:
+        """An exception in a draw callback would come back with every redraw: say it once, in the panel."""
+        try:
+            yield
+        except Exception as error:  # whatever it is, Blender must go on drawing
+            log.replace("viewport", [f"The overlay cannot be drawn: {error or type(error).__name__}"])
+
+
+def _blender_applies_exposure(shading: bpy.types.View3DShading) -> bool:
+    """Blender applies the scene's exposure only in views that are lit by the scene; our smoke always is."""
+    return shading.type == "MATERIAL" and (shading.use_scene_lights or shading.use_scene_world)
+
+
+def _background(context: bpy.types.Context) -> tuple[float, float, float]:
+    """The viewport's background, linear; of a gradient its upper end."""
+    shading = context.space_data.shading
+    if shading.background_type == "VIEWPORT":
+        return tuple(shading.background_color)
+    if shading.background_type == "WORLD" and context.scene.world is not None:
+        return tuple(context.scene.world.color)
+    theme = context.preferences.themes[0].view_3d.space.gradients.high_gradient
+    return tuple(theme.from_srgb_to_scene_linear())
+
+
+_overlay: _Overlay | None = None
+
+
+@persistent
+def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    if _overlay is not None and any(_matters(update) for update in depsgraph.updates):
+        _overlay.dirty = True
+
+
+def _matters(update: bpy.types.DepsgraphUpdate) -> bool:
+    """Selecting an object, for one, is an update that changes nothing that we draw."""
+    changed = update.is_updated_geometry or update.is_updated_transform or update.is_updated_shading
+    return changed or not isinstance(update.id, (bpy.types.Object, bpy.types.Scene, bpy.types.Collection))
+
+
+@persistent
+def _on_change(*_: Any) -> None:
+    if _overlay is not None:
+        _overlay.dirty = True
+
+
+@persistent
+def _on_load(*_: Any) -> None:
+    if _overlay is not None:
+        _overlay.forget()
+    log.clear()
+    free()
+
+
+_HANDLERS: dict[str, Callable[..., None]] = {
+    "depsgraph_update_post": _on_update,
+    "frame_change_post": _on_change,
+    "undo_post": _on_change,
+    "redo_post": _on_change,
+    "load_post": _on_load,
+}
+
+
+def enable() -> None:
+    """Add the overlay to every 3D viewport. It shows where scene.sfumato.viewport_enabled is set."""
+    global _overlay
+    if _overlay is not None:
+        return
+    _overlay = _Overlay()
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def disable() -> None:
+    """Take everything back, and free what is on the GPU."""
+    global _overlay
+    for name, handler in _HANDLERS.items():
+        handlers = getattr(bpy.app.handlers, name)
+        if handler in handlers:
+            handlers.remove(handler)
+    if _overlay is not None:
+        _overlay.remove()
+        _overlay = None
+    free()
+
+
+def free() -> None:
+    """Free every GPU object. What is drawn next makes its own again."""
+    global _painter
+    _painter = None

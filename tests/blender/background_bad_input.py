@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is wrong in a scene is said, names the thing, and costs nothing but itself."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import bpy
+import harness
+import numpy as np
+import pictures
+from sfumato import log, smoke
+
+TINY = (32, 18)
+
+
+def said(*words: str) -> bool:
+    """Whether one notice holds all of the words."""
+    return any(all(word in notice for word in words) for notice in log.notices())
+
+
+def domain() -> bpy.types.Object:
+    if harness.MANTAFLOW_ABORTS:
+        raise harness.Skip("Mantaflow domains cannot be used in this Blender")
+    return harness.open_plume()
+
+
+def test_missing_cache() -> None:
+    thing = domain()
+    thing.modifiers["Fluid"].domain_settings.cache_directory = "//nowhere"
+    bpy.context.scene.frame_set(24)
+    assert np.isfinite(pictures.render(TINY)).all()
+    assert said(thing.name, "frame 24", "nowhere"), log.notices()
+
+
+def test_domain_that_was_never_baked() -> None:
+    if harness.MANTAFLOW_ABORTS:
+        raise harness.Skip("Mantaflow domains cannot be used in this Blender")
+    bpy.ops.mesh.primitive_cube_add()
+    thing = bpy.context.object
+    modifier = thing.modifiers.new("Fluid", "FLUID")
+    modifier.fluid_type = "DOMAIN"
+    modifier.domain_settings.domain_type = "GAS"
+    modifier.domain_settings.cache_type = "ALL"
+    pictures.render(TINY)
+    assert said(thing.name, "bake"), log.notices()
+
+
+def test_density_that_is_not_a_number() -> None:
+    thing = domain()
+    real = smoke.domain_grid
+
+    def broken(*arguments: object) -> object:
+        density, matrix = real(*arguments)
+        density[3, 3, 3] = np.nan
+        return density, matrix
+
+    smoke.domain_grid = broken
+    try:
+        assert np.isfinite(pictures.render(TINY)).all()
+    finally:
+        smoke.domain_grid = real
+    assert said(thing.name, "not finite"), log.notices()
+
+
+def test_domain_without_size() -> None:
+    thing = harness.open_plume()
+    thing.scale = (0.0, 1.0, 1.0)
+    assert np.isfinite(pictures.render(TINY)).all()
+    assert said(thing.name, "scale"), log.notices()
+
+
+def test_no_light() -> None:
+    harness.open_plume()
+    for thing in list(bpy.context.scene.objects):
+        if thing.type == "LIGHT":
+            bpy.data.objects.remove(thing)
+    assert pictures.render(TINY)[..., :3].max() == 0.0
+    assert said("No sun"), log.notices()
+
+
+def test_lamps_that_are_not_shown() -> None:
+    harness.open_plume()
+    lamp = bpy.data.objects.new("Desk", bpy.data.lights.new("Desk", "POINT"))
+    bpy.context.scene.collection.objects.link(lamp)
+    pictures.render(TINY)
+    assert said("Desk", "point"), log.notices()
+
+
+def test_no_camera() -> None:
+    harness.open_plume()
+    bpy.context.scene.camera = None
+    try:
+        pictures.render(TINY)
+    except RuntimeError as error:  # Blender's own refusal
+        assert "camera" in str(error).lower()
+    else:
+        raise AssertionError("a picture without a camera")
+
+
+def test_camera_inside_the_smoke() -> None:
+    thing = harness.open_plume()
+    bpy.context.scene.camera.location = thing.matrix_world.translation
+    image = pictures.render(TINY)
+    assert np.isfinite(image).all() and image[..., :3].max() > 0.0
+
+
+def test_volume_without_its_file() -> None:
+    harness.open_plume()
+    data = bpy.data.volumes.new("Cloud")
+    data.filepath = "/nowhere/cloud.vdb"
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Cloud", data))
+    assert pictures.render(TINY)[..., :3].max() > 0.0
+    assert said("Cloud", "/nowhere/cloud.vdb"), log.notices()
+
+
+def test_missing_native_module() -> None:
+    """The add-on registers, its preferences explain, and a render says what is missing."""
+    script = (
+        "import bpy, sfumato.core as core\n"
+        "assert 'SFUMATO_PT_render' in dir(bpy.types)\n"
+        "assert 'native module' in core.problem() and 'README' in core.problem(), core.problem()\n"
+        "bpy.context.scene.render.engine = 'SFUMATO'\n"
+        "bpy.context.scene.render.resolution_percentage = 5\n"
+        "try: bpy.ops.render.render()\n"
+        "except RuntimeError as error: assert 'native module' in str(error)\n"
+        "print('explained')\n"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "addons" / "sfumato"
+        shutil.copytree(harness.ROOT / "build" / "addon" / "sfumato", copy, ignore=shutil.ignore_patterns("*.so"))
+        environment = {**os.environ, "BLENDER_USER_SCRIPTS": folder, "PYTHONDONTWRITEBYTECODE": "1"}
+        command = [bpy.app.binary_path, "-b", "--factory-startup", "--python-use-system-env", "--addons", "sfumato"]
+        command += ["--python-exit-code", "3", "--python-expr", script]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
+        assert "explained" in done.stdout, done.stdout + done.stderr  # the refused render sets the exit status
+
+
+harness.main()

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine on the sample: pictures, files, the render border, alpha."""
+
+import subprocess
+import tempfile
+from pathlib import Path
+
+import bpy
+import harness
+import numpy as np
+import pictures
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
+
+SMALL = (160, 90)
+
+
+def pixel_of(place: tuple[float, float, float], size: tuple[int, int]) -> tuple[int, int]:
+    """Row and column in which a point in the world is seen."""
+    seen = world_to_camera_view(bpy.context.scene, bpy.context.scene.camera, Vector(place))
+    return int(seen.y * size[1]), int(seen.x * size[0])
+
+
+def test_smoke_shows_and_throws_its_shadow() -> None:
+    smoke = harness.open_plume()
+    with_smoke = pictures.render(SMALL)
+    smoke.hide_render = True
+    without = pictures.render(SMALL)
+    change = with_smoke[..., :3].sum(axis=-1) - without[..., :3].sum(axis=-1)
+    middle = pixel_of(tuple(smoke.matrix_world @ Vector((0.0, 0.0, 0.0))), SMALL)
+    assert abs(change[middle]) > 0.05, change[middle]
+    # The sun's light goes through the domain's middle to the floor: there the floor must be darker than it was.
+    sun = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")
+    direction = sun.matrix_world.to_quaternion() @ Vector((0.0, 0.0, -1.0))
+    darkest = change.min()
+    assert darkest < -0.3 * without[..., :3].sum(axis=-1).max(), darkest
+    assert direction.z < 0.0
+    assert np.isfinite(with_smoke).all()
+
+
+def test_frames_differ_and_repeat() -> None:
+    harness.open_plume(25)
+    first, again = pictures.render(SMALL), pictures.render(SMALL)
+    assert np.array_equal(first, again)
+    if not harness.MANTAFLOW_ABORTS:
+        bpy.context.scene.frame_set(20)
+        assert np.abs(pictures.render(SMALL) - first).max() > 0.05
+
+
+def test_border_is_a_part_of_the_whole() -> None:
+    harness.open_plume()
+    whole = pictures.render(SMALL)
+    render = bpy.context.scene.render
+    render.use_border, render.use_crop_to_border = True, True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.2, 0.6
+    part = pictures.render(SMALL)
+    assert part.shape == (36, 80, 4), part.shape
+    # Not bit for bit: which pixels count as edges is asked of neighbours, and a border cuts some away.
+    difference = np.abs(part - whole[18:54, 40:120])[1:-1, 1:-1]
+    assert np.sqrt((difference**2).mean()) < 0.02, np.sqrt((difference**2).mean())
+
+
+def test_transparent_film() -> None:
+    smoke = harness.open_plume()
+    for thing in list(bpy.context.scene.objects):
+        if thing.type == "MESH" and thing.name != smoke.name:
+            bpy.data.objects.remove(thing)
+    bpy.context.scene.render.film_transparent = True
+    alpha = pictures.render(SMALL)[..., 3]
+    assert alpha.min() == 0.0 and 0.5 < alpha.max() <= 1.0, (alpha.min(), alpha.max())
+    bpy.context.scene.render.film_transparent = False
+    assert (pictures.render(SMALL)[..., 3] == 1.0).all()
+
+
+def test_command_line_writes_frames() -> None:
+    if harness.MANTAFLOW_ABORTS:
+        raise harness.Skip("the sample's own domain cannot be opened in this Blender")
+    with tempfile.TemporaryDirectory() as folder:
+        base = [bpy.app.binary_path, "-b", str(harness.SAMPLE), "--python-use-system-env", "--addons", "sfumato"]
+        shrink = ["--python-expr", "import bpy; bpy.context.scene.render.resolution_percentage = 25"]
+        still = ["-E", "SFUMATO", "-o", f"{folder}/still_####", "-F", "PNG", "-f", "25"]
+        several = ["-E", "SFUMATO", "-o", f"{folder}/several_####", "-F", "OPEN_EXR", "-s", "24", "-e", "26", "-a"]
+        subprocess.run(base + shrink + still, check=True, timeout=120)
+        subprocess.run(base + shrink + several, check=True, timeout=120)
+        written = sorted(path.name for path in Path(folder).iterdir())
+        assert written == ["several_0024.exr", "several_0025.exr", "several_0026.exr", "still_0025.png"], written
+        assert pictures.read(Path(folder) / "several_0024.exr").shape == (90, 160, 4)
+
+
+harness.main()
