@@ -108,31 +108,17 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     return surface;
 }
 
-// The share of the sun that no solid further than `near_t` keeps from `point`, for one direction within the disk.
-Real sun_visibility(const SurfaceView &view, const vec3 &point, const vec3 &towards, Real near_t, Mask asked) {
+// The share of the sun that no solid keeps from `point`, asked for one direction within the sun's disk.
+Real sun_visibility(const SurfaceView &view, const vec3 &point, const vec3 &towards, Mask asked) {
     if (view.scene == nullptr || !xsimd::any(asked)) {
         return 1.0F;
     }
     typename Rays<LANES>::Ray rays;
-    set_rays(rays, point, towards, near_t, 1e30F);
+    set_rays(rays, point, towards, 0.0F, 1e30F);
     alignas(64) int valid[LANES];
     valid_lanes(asked, valid);
     Rays<LANES>::occluded(valid, view.scene, rays);
     return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
-}
-
-// How far towards the sun the smoke ends. Over a picture that has no shadows of solids, as Blender's Solid mode, a hole
-// in the smoke's shadow that has the shape of a block would look like a mistake: there only solids that keep the sun
-// from the smoke itself take its shadow away.
-Real beyond_medium(const MediumView &medium, const vec3 &point, const vec3 &towards) {
-    if (!medium.present) {
-        return 0.0F;
-    }
-    const vec3 size{Real(static_cast<float>(medium.lit.nx)), Real(static_cast<float>(medium.lit.ny)),
-                    Real(static_cast<float>(medium.lit.nz))};
-    const Interval inside = clip_to_box({Real(0.0F), Real(1e30F)}, transform_point(medium.world_to_grid, point),
-                                        transform_vector(medium.world_to_grid, towards), size);
-    return pick(inside.far_t > inside.near_t, inside.far_t, 0.0F);
 }
 
 // The sun as one packet's surfaces see it.
@@ -159,9 +145,7 @@ SunLight sunlight(const FrameView &frame, const Packet &packet, const Ray &ray, 
     const vec3 point = ray.origin + ray.direction * surface.distance;
     // Start the shadow ray off the surface by a few rounding errors of the coordinates.
     const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
-    const vec3 start = point + surface.geometric_normal * offset;
-    const Real near_t = frame.lit ? Real(0.0F) : beyond_medium(frame.medium, start, towards);
-    light.visibility = sun_visibility(frame.surfaces, start, towards, near_t, facing);
+    light.visibility = sun_visibility(frame.surfaces, point + surface.geometric_normal * offset, towards, facing);
     if (frame.smoke && frame.medium.present) {
         const vec3 m = transform_point(frame.map.world_to_map, point);
         light.column = column_density(frame.map, locate(frame.map, m.x, m.y), m.z);
