@@ -305,8 +305,9 @@ edge_samples are taken where surfaces or their shadows change, one elsewhere. pr
 share of the work that is done; when it returns False the result is None.
 )")
         .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("lit") = true,
-             R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: visibility of
-the sun times the cosine of its angle) and the distance to it in metres, the far plane's where there is none.
+             R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: the
+cosine of the sun's angle, in red times the visibility of the sun) and the distance to it in metres, the far plane's
+where there is none.
 )")
         .def("transmittance", &transmittance_at, py::arg("points"),
              R"(The share of the sun's light that the smoke lets through to each of points (..., 3): (..., 3), RGB.
