@@ -319,11 +319,10 @@ share of the work that is done, by the thread that called; when it returns False
 >>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=lambda done: done < 0.25) is None
 True
 )")
-        .def(
-            "surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("lit") = true,
-            R"((height, width, 4) float32 without the smoke: the radiance of the first surface, and the distance to it in
-metres, the far plane's where there is none. Not lit: the cosine between its normal and the sun in place of the
-radiance, 0 where it faces away and where a solid keeps the sun from the smoke as well as from the surface.
+        .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("lit") = true,
+             R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: the
+cosine of the sun's angle, in red times the visibility of the sun) and the distance to it in metres, the far plane's
+where there is none.
 
 >>> import numpy as np
 >>> Frame(Scene()).surfaces(Camera(np.diag([1, 1, -0.1, 1])), width=1, height=1)[0, 0].tolist()
