@@ -18,7 +18,8 @@ def steps() -> Iterator[None]:
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     space = area.spaces.active
     space.shading.type = "SOLID"
-    space.shading.color_type = "MATERIAL"
+    space.shading.color_type = "OBJECT"
+    space.overlay.show_extras = False
     space.show_region_ui = True
     space.region_3d.view_perspective = "CAMERA"
     space.region_3d.view_camera_zoom = 12.0

@@ -60,13 +60,14 @@ struct ProjectRow {
     float *coefficients = nullptr; // of this row
 };
 
-// Fills channels 1, 2, ... of one slice z of the lit volume: the share of the sun that reaches each cell centre.
+// Fills channels 1, 2, ... of one slice z of the lit volume: the optical depth that the sun's light crosses on its way
+// to each cell centre (optical_depth_to_sun of shaders/medium.glsl).
 struct LightSlice {
     LightMapView map;
     ClearanceView clearance;
     Affine grid_to_map;
     float *lit = nullptr; // the whole volume
-    int channels = 2;     // density and one share, or density and three
+    int channels = 2;     // density and one optical depth, or density and three
     int nx = 0, ny = 0, nz = 0, z = 0;
     float extinction[3] = {0.0F, 0.0F, 0.0F};
 };

@@ -64,6 +64,16 @@ inline Real solid_visibility(const LightMapView &map, const Texels &texels, Real
     return visible;
 }
 
+// Whether interpolation in a brick that holds smoke can reach any of these cells: an empty cell beside smoke counts.
+inline bool within_reach(const ClearanceView &bricks, const vec3 &p) {
+    Mask reached(false);
+    for (int corner = 0; corner < 8; ++corner) {
+        const auto side = [corner](int axis) { return (corner >> axis & 1) != 0 ? 1.0F : -1.0F; };
+        reached = reached | (clearance_at(bricks, {p.x + side(0), p.y + side(1), p.z + side(2)}) < 0.0F);
+    }
+    return xsimd::any(reached);
+}
+
 } // namespace
 
 void light_slice(const LightSlice &slice) {
@@ -71,7 +81,7 @@ void light_slice(const LightSlice &slice) {
     for (int y = 0; y < slice.ny; ++y) {
         for (int x = 0; x < slice.nx; x += LANES) {
             const vec3 p{lane_numbers() + (static_cast<float>(x) + 0.5F), Real(static_cast<float>(y) + 0.5F), z};
-            if (!xsimd::any(clearance_at(slice.clearance, p) < 0.0F)) {
+            if (!within_reach(slice.clearance, p)) {
                 continue;
             }
             const vec3 m = transform_point(slice.grid_to_map, p);
@@ -80,7 +90,7 @@ void light_slice(const LightSlice &slice) {
             const Real visible = solid_visibility(slice.map, texels, m.z);
             alignas(64) float lanes[LANES];
             for (int c = 1; c < slice.channels; ++c) {
-                (visible * transmittance_of(column * slice.extinction[c - 1])).store_aligned(lanes);
+                optical_depth_to_sun(column, slice.extinction[c - 1], visible).store_aligned(lanes);
                 const int row = (slice.z * slice.ny + y) * slice.nx;
                 for (int lane = 0; lane < LANES && x + lane < slice.nx; ++lane) {
                     slice.lit[(row + x + lane) * slice.channels + c] = lanes[lane];

@@ -12,7 +12,7 @@
 namespace sfumato {
 
 struct CroppedMedium {
-    // Interleaved: the density, then the share of the sun that arrives, once if the extinction is grey, else per RGB.
+    // Interleaved: the density, then the optical depth towards the sun, once if the extinction is grey, else per RGB.
     std::vector<float> lit;
     int channels = 2;
     glm::ivec3 resolution{0}; // with one empty cell on every side

@@ -4,7 +4,7 @@
 // Textures (viewport.py makes them):
 //   surfaces    radiance without smoke, or with OVERLAY the cosine of the sun's angle,
 //               in red where solids leave the sun visible; alpha: distance along the ray
-//   lit_volume  density; the share of the sun that arrives, for each of COLOURS
+//   lit_volume  density; the optical depth towards the sun, for each of COLOURS
 //   clearance   for each brick of the volume: negative where smoke may be met, else how many cells are empty around it
 //   light_map   layer j holds a_2j, b_2j, a_2j+1, b_2j+1, where b_0 = 0
 //
