@@ -118,7 +118,11 @@ def counted_exports() -> Iterator[list[int]]:
 
 
 def drawn(seen: list[Any], views: int = 1) -> Iterator[None]:
-    """Wait until that many views have been drawn with all that was changed before."""
+    """Wait until that many views have been drawn with all that was changed before, for the second time: Blender
+    spreads the first over several redraws."""
+    seen.clear()
+    while len(seen) < views:
+        yield
     seen.clear()
     while len(seen) < views:
         yield
@@ -198,7 +202,8 @@ def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes(
         bpy.context.scene.frame_set(12)
         yield from drawn(seen)
         assert exports[0] == read_first + 1
-        assert np.abs(seen[-1][0] - still).max() > 0.1, "the smoke must move with time"
+        if not harness.MANTAFLOW_ABORTS:  # else it is a still
+            assert np.abs(seen[-1][0] - still).max() > 0.1, "the smoke must move with time"
         bpy.data.objects["Sun"].data.energy *= 2.0
         yield from drawn(seen)
         assert exports[0] == read_first + 2
@@ -287,6 +292,30 @@ def test_every_view_of_a_quad_view_has_its_smoke() -> Iterator[None]:
         with bpy.context.temp_override(window=window, area=area, region=region):
             bpy.ops.screen.region_quadview()
         yield
+
+
+def test_two_windows() -> Iterator[None]:
+    plume("SOLID")
+    window, area, region = screen.viewport()
+    with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
+        bpy.ops.wm.window_new()
+    second = bpy.context.window_manager.windows[-1]
+    try:
+        with screen.watched() as seen:
+            for enabled in (False, True):
+                bpy.context.scene.sfumato.viewport_enabled = enabled
+                yield from drawn(seen, 4)
+                shapes = {picture.shape for picture, _ in seen[-2:]}
+                if not enabled:
+                    without = {picture.shape: picture for picture, _ in seen[-2:]}
+            assert len(shapes) == 2, f"two windows of different sizes, drawn in turn: {shapes}"
+            for picture, _ in seen[-2:]:
+                assert np.abs(picture - without[picture.shape]).max() > 0.1
+    finally:
+        with bpy.context.temp_override(window=second):
+            bpy.ops.wm.window_close()
+        yield
+    assert not log.notices(), log.notices()
 
 
 def test_rendered_view_is_scene_linear() -> Iterator[None]:
