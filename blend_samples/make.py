@@ -126,8 +126,8 @@ def bake(domain: bpy.types.Object) -> None:
     try:
         bpy.context.view_layer.update()
     except SystemError:
-        # Blender 3.4 may evaluate the emitter before the domain has its grids, by chance of addresses, and leaves
-        # Mantaflow's Python error behind for the next caller to trip over. The second evaluation finds the grids.
+        # The first evaluation in Blender 3.4 often asks Mantaflow for grids that it has not made yet, and Mantaflow's
+        # Python error surfaces here. The second evaluation finds them.
         bpy.context.view_layer.update()
     with bpy.context.temp_override(object=domain, active_object=domain):
         bpy.ops.fluid.bake_all()

@@ -25,7 +25,15 @@ Camera camera_from(const glm::dmat4 &view_projection) {
         return std::array<glm::vec3, 3>{glm::vec3(origin), glm::vec3(corner(1.0, -1.0, z) - origin),
                                         glm::vec3(corner(-1.0, 1.0, z) - origin)};
     };
-    return {plane(-1.0), plane(1.0)};
+    const Camera camera{plane(-1.0), plane(1.0)};
+    for (const auto &vectors : {camera.near, camera.far}) {
+        for (const glm::vec3 &v : vectors) {
+            if (!std::isfinite(v.x + v.y + v.z)) {
+                throw std::invalid_argument("view_projection has its near or far plane at infinity");
+            }
+        }
+    }
+    return camera;
 }
 
 } // namespace sfumato

@@ -8,7 +8,7 @@
 namespace sfumato {
 
 // The rays of a projection from world space to OpenGL's clip space, in which depth runs from -1 to 1.
-// Throws std::invalid_argument if the matrix cannot be inverted.
+// Throws std::invalid_argument if the matrix cannot be inverted or a ray has no end.
 Camera camera_from(const glm::dmat4 &view_projection);
 
 } // namespace sfumato

@@ -2,6 +2,8 @@
 // Chooses the kernels of this processor. CMake names the instruction sets that it compiled.
 #include "kernels.hpp"
 
+#include <vector>
+
 #define SFUMATO_DECLARE(ISA)                                                                                           \
     namespace sfumato::ISA {                                                                                           \
     void project_row(const ProjectRow &);                                                                              \
@@ -24,24 +26,29 @@ namespace {
 #ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace                                      \
     }
 
-Kernels choose() {
+std::vector<Kernels> runnable() {
+    std::vector<Kernels> all{SFUMATO_TABLE(baseline, 4)};
 #ifdef SFUMATO_X86
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+        all.push_back(SFUMATO_TABLE(avx2, 8));
+    }
     if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd")) {
-        return SFUMATO_TABLE(avx512, 16);
-    }
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-        return SFUMATO_TABLE(avx2, 8);
+        all.push_back(SFUMATO_TABLE(avx512, 16));
     }
 #endif
-    return SFUMATO_TABLE(baseline, 4);
+    return all;
 }
 
 } // namespace
 
+std::span<const Kernels> available_kernels() {
+    static const std::vector<Kernels> all = runnable();
+    return all;
+}
+
 const Kernels &kernels() {
-    static const Kernels chosen = choose();
-    return chosen;
+    return available_kernels().back();
 }
 
 } // namespace sfumato

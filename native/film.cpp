@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <numeric>
 
 namespace sfumato {
 namespace {
@@ -28,6 +29,19 @@ double radical_inverse(unsigned i) {
     return inverse;
 }
 
+// The place of each i in the order of key(i): a permutation that spreads as the key does, whatever the count.
+template <typename Key>
+std::vector<int> ranks(int count, const Key &key) {
+    std::vector<int> order(static_cast<std::size_t>(count));
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&key](int a, int b) { return key(a) < key(b); });
+    std::vector<int> rank(order.size());
+    for (int place = 0; place < count; ++place) {
+        rank[static_cast<std::size_t>(order[static_cast<std::size_t>(place)])] = place;
+    }
+    return rank;
+}
+
 } // namespace
 
 float blackman_harris_quantile(float u) {
@@ -41,20 +55,21 @@ float blackman_harris_quantile(float u) {
 
 std::vector<FilmSample> film_samples(int count, int turn) {
     std::vector<FilmSample> samples(static_cast<std::size_t>(count));
-    const double shift = (turn + 0.5) / FILM_TURNS;
-    const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+    const double golden = (std::sqrt(5.0) - 1.0) / 2.0;
+    // Hammersley's points, scrambled from pixel to pixel, for the pixel; Vogel's sunflower for the sun, walked in an
+    // order that has nothing to do with the position in the pixel, and turned. Every coordinate takes the middle of
+    // each of `count` equal shares once, so no pattern pulls to a side.
+    const auto scrambled = [turn](int i) { return radical_inverse(static_cast<unsigned>(i) ^ unsigned(turn)); };
+    const std::vector<int> rows = ranks(count, scrambled);
+    const std::vector<int> petals = ranks(count, [golden](int i) { return std::fmod(i * golden, 1.0); });
+    const auto middle = [count](int share) { return (share + 0.5) / count; };
     for (int i = 0; i < count; ++i) {
-        // Hammersley points, shifted from pixel to pixel, for the pixel; a sunflower for the sun, walked in an order
-        // that has nothing to do with the position in the pixel, and turned.
-        const double u = std::fmod((i + 0.5) / count + shift, 1.0);
-        const double v =
-            std::fmod(radical_inverse(static_cast<unsigned>(i)) + radical_inverse(static_cast<unsigned>(turn)), 1.0);
-        const int petal = (i * 7 + 3) % count;
-        const double radius = std::sqrt((petal + 0.5) / count);
-        const double angle = golden * petal + TURN * shift;
-        samples[static_cast<std::size_t>(i)] = {
-            blackman_harris_quantile(static_cast<float>(u)), blackman_harris_quantile(static_cast<float>(v)),
-            static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle))};
+        const auto at = static_cast<std::size_t>(i);
+        const double radius = std::sqrt(middle(petals[at]));
+        const double angle = TURN * (golden * petals[at] + (turn + 0.5) / FILM_TURNS);
+        samples[at] = {blackman_harris_quantile(static_cast<float>(middle(i))),
+                       blackman_harris_quantile(static_cast<float>(middle(rows[at]))),
+                       static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle))};
     }
     return samples;
 }

@@ -38,8 +38,8 @@ struct Image {
 };
 
 // The first look: every pixel once, through its centre.
-void trace_row(const FrameView &view, const std::vector<FilmSample> &turns, Image &image, int y) {
-    const int lanes = kernels().lanes;
+void trace_row(const Kernels &with, const FrameView &view, const std::vector<FilmSample> &turns, Image &image, int y) {
+    const int lanes = with.lanes;
     Packet packet;
     Light light;
     for (int x0 = 0; x0 < image.width; x0 += lanes) {
@@ -52,7 +52,7 @@ void trace_row(const FrameView &view, const std::vector<FilmSample> &turns, Imag
             packet.sun_y[lane] = turn.sun_y;
             packet.active[lane] = x < image.width ? 1.0F : 0.0F;
         }
-        kernels().trace(view, packet, light);
+        with.trace(view, packet, light);
         for (int lane = 0; lane < lanes && x0 + lane < image.width; ++lane) {
             const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
                                       static_cast<std::size_t>(x0 + lane);
@@ -95,8 +95,9 @@ bool is_edge(const Image &image, int x, int y) {
     return false;
 }
 
-void refine_pixel(const FrameView &view, const std::vector<FilmSample> &samples, Image &image, int x, int y) {
-    const int lanes = kernels().lanes;
+void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<FilmSample> &samples, Image &image,
+                  int x, int y) {
+    const int lanes = with.lanes;
     const auto count = static_cast<int>(samples.size());
     Packet packet;
     Light light;
@@ -111,7 +112,7 @@ void refine_pixel(const FrameView &view, const std::vector<FilmSample> &samples,
             packet.sun_y[lane] = s.sun_y;
             packet.active[lane] = active ? 1.0F : 0.0F;
         }
-        kernels().trace(view, packet, light);
+        with.trace(view, packet, light);
         for (int lane = 0; lane < lanes && first + lane < count; ++lane) {
             for (std::size_t c = 0; c < 3; ++c) {
                 sum[c] += static_cast<double>(light.radiance[c][lane]);
@@ -140,8 +141,8 @@ bool in_chunks(int count, double done, double share, const Progress &progress, c
 
 } // namespace
 
-Frame::Frame(const Scene &scene, const FrameSettings &settings)
-    : surfaces_(scene.meshes), sun_(scene.sun), background_(scene.background) {
+Frame::Frame(const Scene &scene, const FrameSettings &settings, const Kernels &with)
+    : kernels_(&with), surfaces_(scene.meshes), sun_(scene.sun), background_(scene.background) {
     if (!scene.medium) {
         return;
     }
@@ -151,8 +152,9 @@ Frame::Frame(const Scene &scene, const FrameSettings &settings)
     }
     step_length_ = medium_.cell_size / settings.steps_per_cell;
     if (sun_) {
-        light_map_ = build_light_map(medium_, *sun_, surfaces_.view(), settings.coefficients, settings.texels_per_cell);
-        light_medium(medium_, *light_map_);
+        light_map_ =
+            build_light_map(medium_, *sun_, surfaces_.view(), settings.coefficients, settings.texels_per_cell, with);
+        light_medium(medium_, *light_map_, with);
     }
 }
 
@@ -197,7 +199,7 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
     const bool refine = edge_samples > 1;
     const std::vector<FilmSample> turns =
         refine ? film_samples(FILM_TURNS, 0) : std::vector<FilmSample>{{0.0F, 0.0F, 0.0F, 0.0F}};
-    if (!in_chunks(height, 0.0, 0.5, progress, [&](int y) { trace_row(frame, turns, image, y); })) {
+    if (!in_chunks(height, 0.0, 0.5, progress, [&](int y) { trace_row(*kernels_, frame, turns, image, y); })) {
         return std::nullopt;
     }
     if (refine) {
@@ -217,7 +219,7 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
         });
         const auto refine_row = [&](int y) {
             for (const int x : edges[static_cast<std::size_t>(y)]) {
-                refine_pixel(frame, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
+                refine_pixel(*kernels_, frame, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
             }
         };
         if (!in_chunks(height, 0.5, 0.5, progress, refine_row)) {
@@ -234,7 +236,7 @@ std::vector<float> Frame::surfaces(const Camera &camera, int width, int height, 
     Image image(width, height);
     const std::vector<FilmSample> centre{{0.0F, 0.0F, 0.0F, 0.0F}};
     oneapi::tbb::parallel_for(0, height, [&](int y) {
-        trace_row(frame, centre, image, y);
+        trace_row(*kernels_, frame, centre, image, y);
         for (std::size_t pixel = image.at(0, y); pixel < image.at(0, y + 1); ++pixel) {
             image.rgba[4 * pixel + 3] = image.distance[pixel];
         }

@@ -26,7 +26,7 @@ using Progress = std::function<bool(double)>;
 // Everything about a scene that does not depend on the camera.
 class Frame {
 public:
-    Frame(const Scene &scene, const FrameSettings &settings);
+    Frame(const Scene &scene, const FrameSettings &settings, const Kernels &with = kernels());
 
     // Premultiplied RGBA, row 0 at the bottom, filtered as Cycles filters by default. Pixels in which surfaces or
     // their shadows change are sampled `edge_samples` times, the others once. Nothing if progress said stop.
@@ -48,6 +48,7 @@ public:
 private:
     [[nodiscard]] FrameView view(const Camera &camera) const;
 
+    const Kernels *kernels_;
     Surfaces surfaces_;
     CroppedMedium medium_;
     std::optional<Sun> sun_;

@@ -7,6 +7,7 @@
 #include "embree.hpp"
 
 #include <array>
+#include <span>
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -131,7 +132,10 @@ struct Kernels {
     void (*trace)(const FrameView &, const Packet &, Light &);
 };
 
-// The widest kernels that this processor runs.
+// Every set of kernels that this processor runs, the widest last.
+std::span<const Kernels> available_kernels();
+
+// The widest.
 const Kernels &kernels();
 
 } // namespace sfumato

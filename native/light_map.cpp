@@ -15,6 +15,8 @@
 namespace sfumato {
 namespace {
 
+constexpr double MOST_COEFFICIENTS = 1 << 26; // a quarter of a gibibyte
+
 // What each slice of the light's path adds to each coefficient, per unit of density: eqs 1-2 for slabs.
 std::vector<float> slice_weights(int slices, int count, double path) {
     std::vector<float> weights(static_cast<std::size_t>(slices) * static_cast<std::size_t>(count));
@@ -101,7 +103,7 @@ void LightMap::look_up(std::span<const float> points, std::span<float> columns) 
 }
 
 LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const SurfaceView &surfaces, int count,
-                         double texels_per_cell) {
+                         double texels_per_cell, const Kernels &with) {
     const glm::dmat3 axes = light_axes(sun);
     const glm::dmat3 to_light = glm::transpose(axes);
     glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
@@ -114,7 +116,9 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
     }
     LightMap map;
     map.count = count;
-    const double texel = medium.cell_size / texels_per_cell;
+    // Thin cells would ask for more texels than memory holds.
+    const double area = (high.x - low.x) * (high.y - low.y);
+    const double texel = std::max(medium.cell_size / texels_per_cell, std::sqrt(area * count / MOST_COEFFICIENTS));
     map.size = glm::ivec2(glm::ceil(glm::dvec2(high - low) / texel)) + 2; // the rim stays empty
     const glm::dvec3 extent(glm::dvec2(map.size) * texel, high.z - low.z);
     const glm::dvec3 middle = 0.5 * (low + high);
@@ -126,7 +130,7 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
         map.world_to_map[3][row] = -origin[row] / extent[row];
     }
 
-    // Two slices a cell: fewer would miss detail that trilinear interpolation shows, more gain nothing.
+    // Two slices a cell: with one, the total of a small dense puff can be off by more than 1 %.
     const int slices = std::max(1, static_cast<int>(std::ceil(2.0 * extent.z / medium.cell_size)));
     const std::vector<float> weights = slice_weights(slices, count, extent.z);
     glm::dmat4 texel_to_map(1.0);
@@ -148,13 +152,13 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
         row.width = map.size.x;
         row.y = y;
         row.coefficients = map.coefficients.data() + static_cast<std::ptrdiff_t>(y) * map.size.x * count;
-        kernels().project_row(row);
+        with.project_row(row);
     });
     find_solids(map, surfaces);
     return map;
 }
 
-void light_medium(CroppedMedium &medium, const LightMap &map) {
+void light_medium(CroppedMedium &medium, const LightMap &map, const Kernels &with) {
     LightSlice slice;
     slice.map = map.view();
     slice.clearance = medium.clearances();
@@ -170,7 +174,7 @@ void light_medium(CroppedMedium &medium, const LightMap &map) {
     oneapi::tbb::parallel_for(0, medium.resolution.z, [&, slice](int z) {
         LightSlice own = slice;
         own.z = z;
-        kernels().light_slice(own);
+        with.light_slice(own);
     });
 }
 

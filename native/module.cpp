@@ -14,8 +14,8 @@ namespace {
 
 using namespace arguments;
 
-void add_mesh(Scene &scene, const Floats &vertices, const Integers &triangles, const Floats &corner_normals,
-              const Integers &material, const Floats &albedo) {
+void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
+              const Doubles &material, const Floats &albedo) {
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
     const py::ssize_t count = triangles.shape(0);
@@ -25,25 +25,19 @@ void add_mesh(Scene &scene, const Floats &vertices, const Integers &triangles, c
     require_finite(vertices, "vertices");
     require_finite(corner_normals, "corner_normals");
     require_range(albedo, 0.0F, 1.0F, "albedo");
+    const std::vector<std::uint32_t> corners = indices(triangles, vertices.shape(0), "triangles");
     Mesh mesh;
+    mesh.material = indices(material, albedo.shape(0), "material");
     const auto vectors = [](const Floats &array, std::vector<glm::vec3> &out) {
         const auto *first = reinterpret_cast<const glm::vec3 *>(array.data());
         out.assign(first, first + array.size() / 3);
     };
     vectors(vertices, mesh.vertices);
     vectors(albedo, mesh.albedo);
-    mesh.triangles.reserve(static_cast<std::size_t>(count));
-    mesh.corner_normals.reserve(static_cast<std::size_t>(count));
-    mesh.material.reserve(static_cast<std::size_t>(count));
     const auto *normals = reinterpret_cast<const glm::vec3 *>(corner_normals.data());
-    for (py::ssize_t t = 0; t < count; ++t) {
-        for (py::ssize_t corner = 0; corner < 3; ++corner) {
-            require_range<std::int64_t>(triangles.at(t, corner), 0, vertices.shape(0) - 1, "triangles");
-        }
-        require_range<std::int64_t>(material.at(t), 0, albedo.shape(0) - 1, "material");
-        mesh.triangles.emplace_back(triangles.at(t, 0), triangles.at(t, 1), triangles.at(t, 2));
-        mesh.corner_normals.push_back({normals[3 * t], normals[3 * t + 1], normals[3 * t + 2]});
-        mesh.material.push_back(static_cast<std::uint32_t>(material.at(t)));
+    for (std::size_t first = 0; first < corners.size(); first += 3) {
+        mesh.triangles.emplace_back(corners[first], corners[first + 1], corners[first + 2]);
+        mesh.corner_normals.push_back({normals[first], normals[first + 1], normals[first + 2]});
     }
     scene.meshes.push_back(std::move(mesh));
 }
@@ -56,10 +50,17 @@ void set_medium(Scene &scene, const Floats &density, const Doubles &grid_to_worl
     }
     require_range(density, 0.0F, 1e30F, "density");
     Medium medium;
+    require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
     medium.grid_to_world = glm::mat4(matrix4(grid_to_world, "grid_to_world"));
-    if (!(std::abs(glm::determinant(medium.grid_to_world)) > 0.0F)) {
-        throw py::value_error("grid_to_world flattens the grid: its determinant is " +
-                              std::to_string(glm::determinant(medium.grid_to_world)));
+    for (int column = 0; column < 4; ++column) {
+        if (medium.grid_to_world[column][3] != (column == 3 ? 1.0F : 0.0F)) {
+            throw py::value_error("grid_to_world holds " + text(medium.grid_to_world[column][3]) + " at flat index " +
+                                  text(12 + column) + "; its last row must be 0, 0, 0, 1");
+        }
+    }
+    const double determinant = glm::determinant(glm::dmat4(medium.grid_to_world));
+    if (!(std::abs(determinant) > 0.0)) {
+        throw py::value_error("grid_to_world flattens the grid: its determinant is 0");
     }
     medium.resolution = {density.shape(2), density.shape(1), density.shape(0)};
     medium.density.assign(density.data(), density.data() + density.size());
@@ -75,11 +76,11 @@ void set_medium(Scene &scene, const Floats &density, const Doubles &grid_to_worl
 void set_sun(Scene &scene, const Floats &direction, const Floats &irradiance, float angle) {
     Sun sun;
     sun.direction = vector3(direction, "direction");
-    const float length = glm::length(sun.direction);
-    if (!(length > 0.0F)) {
+    const double length = glm::length(glm::dvec3(sun.direction));
+    if (!(length > 0.0)) {
         throw py::value_error("direction is (0, 0, 0), but must point somewhere");
     }
-    sun.direction /= length;
+    sun.direction = glm::vec3(glm::dvec3(sun.direction) / length);
     sun.irradiance = vector3(irradiance, "irradiance");
     require_range(irradiance, 0.0F, 1e30F, "irradiance");
     require_range(angle, 0.0F, 3.1415F, "angle");
@@ -105,14 +106,15 @@ void require_size(int width, int height) {
 }
 
 py::object render(const Frame &frame, const Camera &camera, int width, int height, int edge_samples,
-                  const std::optional<std::function<bool(double)>> &progress) {
+                  const std::optional<std::function<py::object(double)>> &progress) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
     Progress report;
     if (progress) {
         report = [&progress](double done) {
             const py::gil_scoped_acquire locked;
-            return (*progress)(done);
+            const py::object answer = (*progress)(done);
+            return answer.is_none() || py::bool_(answer); // a function without a return statement stops nothing
         };
     }
     std::optional<std::vector<float>> image;
@@ -254,11 +256,15 @@ Raises ValueError if it cannot be inverted.
         .def_property_readonly("corners", &corners,
                                "(6, 3): near0, near_u, near_v, far0, far_u, far_v of shaders/camera.glsl.");
 
+    bind_reference(m);
+
     py::class_<CroppedMedium>(m, "LitMedium", "The smoke of a frame, cropped, with the light that reaches it.")
         .def_property_readonly("lit_volume", &lit_volume,
                                "(nz, ny, nx, c): density, then the share of the sun that arrives: once where the "
                                "extinction is grey (c = 2), else for each of RGB (c = 4). A copy.")
-        .def_property_readonly("grid_to_world", [](const CroppedMedium &s) { return to_numpy(s.grid_to_world); })
+        .def_property_readonly(
+            "grid_to_world", [](const CroppedMedium &s) { return to_numpy(s.grid_to_world); },
+            "(4, 4): from cells of lit_volume to metres in world space.")
         .def_property_readonly(
             "clearance",
             [](const CroppedMedium &s) {
@@ -269,8 +275,10 @@ Raises ValueError if it cannot be inverted.
         .def_property_readonly(
             "extinction", [](const CroppedMedium &s) { return to_numpy(s.extinction); },
             "(3,), per metre and unit density.")
-        .def_property_readonly("albedo", [](const CroppedMedium &s) { return to_numpy(s.albedo); })
-        .def_readonly("anisotropy", &CroppedMedium::anisotropy);
+        .def_property_readonly(
+            "albedo", [](const CroppedMedium &s) { return to_numpy(s.albedo); },
+            "(3,): scattering over extinction, 0 where there is neither.")
+        .def_readonly("anisotropy", &CroppedMedium::anisotropy, "g of Henyey and Greenstein (1941).");
 
     py::class_<LightMap>(m, "LightMap", "A Fourier opacity map of column density, seen from the sun.")
         .def_property_readonly(
@@ -302,16 +310,34 @@ resolution and the march along view rays to the cells of the medium.
              R"(The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom.
 
 edge_samples are taken where surfaces or their shadows change, one elsewhere. progress(done) is called with the
-share of the work that is done; when it returns False the result is None.
+share of the work that is done, by the thread that called; when it returns False the result is None.
+
+>>> import numpy as np
+>>> frame, shares = Frame(Scene()), []
+>>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=shares.append).shape
+(3, 4, 4)
+>>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=lambda done: done < 0.25) is None
+True
 )")
         .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("lit") = true,
              R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: the
 cosine of the sun's angle, in red times the visibility of the sun) and the distance to it in metres, the far plane's
 where there is none.
+
+>>> import numpy as np
+>>> Frame(Scene()).surfaces(Camera(np.diag([1, 1, -0.1, 1])), width=1, height=1)[0, 0].tolist()
+[0.0, 0.0, 0.0, 20.0]
 )")
         .def("transmittance", &transmittance_at, py::arg("points"),
              R"(The share of the sun's light that the smoke lets through to each of points (..., 3): (..., 3), RGB.
 Solids are left out. All ones where the scene has no smoke or no sun.
+
+>>> import numpy as np
+>>> scene = Scene()
+>>> scene.set_medium(np.full((8, 8, 8), 0.25), np.eye(4), scattering=(1, 0, 0), absorption=(0, 1, 2))
+>>> scene.set_sun((0, 0, -1), (4, 4, 4))
+>>> Frame(scene).transmittance([[4, 4, 20], [4, 4, -1]]).astype(float).round(3).tolist()
+[[1.0, 1.0, 1.0], [0.135, 0.135, 0.018]]
 )")
         .def_property_readonly(
             "medium", [](const Frame &frame) { return frame.medium().empty() ? nullptr : &frame.medium(); },

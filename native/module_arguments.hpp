@@ -2,10 +2,17 @@
 // What Python hands over, checked: every refusal names the argument and its value.
 #pragma once
 
+#include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
-#include <span>
+#include <memory>
 #include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -19,15 +26,31 @@ namespace py = pybind11;
 // Any real array; float32 in C order is used as it is, anything else is converted once.
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Integers = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+
+// Anything that NumPy makes an array of, in the precision that it came in.
+inline py::array any_array(const py::object &given, const std::string &name) {
+    const py::array array = py::array::ensure(given);
+    if (!array || std::string_view("fiub").find(array.dtype().kind()) == std::string_view::npos) {
+        throw py::value_error(name + " is " + std::string(py::repr(given)) + ", but must be an array of real numbers");
+    }
+    return array;
+}
+
+// The shortest text that reads back as the same number.
+template <typename Number>
+std::string text(Number value) {
+    std::array<char, 32> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+    return {digits.data(), end};
+}
 
 template <typename Array>
 std::string shape_of(const Array &array) {
-    std::string text = "(";
+    std::string out = "(";
     for (py::ssize_t axis = 0; axis < array.ndim(); ++axis) {
-        text += (axis > 0 ? ", " : "") + std::to_string(array.shape(axis));
+        out += (axis > 0 ? ", " : "") + text(array.shape(axis));
     }
-    return text + ")";
+    return out + ")";
 }
 
 // A size of -1 stands for any.
@@ -38,7 +61,7 @@ void require_shape(const Array &array, std::initializer_list<py::ssize_t> shape,
     py::ssize_t axis = 0;
     for (const py::ssize_t size : shape) {
         fits = fits && (size < 0 || array.shape(axis) == size);
-        wanted += (axis > 0 ? ", " : "") + (size < 0 ? std::string("any") : std::to_string(size));
+        wanted += (axis > 0 ? ", " : "") + (size < 0 ? "any" : text(size));
         ++axis;
     }
     if (!fits) {
@@ -51,7 +74,7 @@ void require_finite(const Array &array, const std::string &name) {
     const auto *values = array.data();
     for (py::ssize_t i = 0; i < array.size(); ++i) {
         if (!std::isfinite(values[i])) {
-            throw py::value_error(name + " holds " + std::to_string(values[i]) + " at flat index " + std::to_string(i) +
+            throw py::value_error(name + " holds " + text(values[i]) + " at flat index " + text(i) +
                                   "; every value must be finite");
         }
     }
@@ -60,16 +83,37 @@ void require_finite(const Array &array, const std::string &name) {
 template <typename Number>
 void require_range(Number value, Number low, Number high, const std::string &name) {
     if (!(value >= low && value <= high)) {
-        throw py::value_error(name + " is " + std::to_string(value) + ", but must lie between " + std::to_string(low) +
-                              " and " + std::to_string(high));
+        throw py::value_error(name + " is " + text(value) + ", but must lie between " + text(low) + " and " +
+                              text(high));
     }
 }
 
-inline void require_range(const Floats &array, float low, float high, const std::string &name) {
-    require_finite(array, name);
+template <typename Number, int Flags>
+void require_range(const py::array_t<Number, Flags> &array, std::type_identity_t<Number> low,
+                   std::type_identity_t<Number> high, const std::string &name) {
+    const Number *values = array.data();
     for (py::ssize_t i = 0; i < array.size(); ++i) {
-        require_range(array.data()[i], low, high, name);
+        if (!(values[i] >= low && values[i] <= high)) {
+            throw py::value_error(name + " holds " + text(values[i]) + " at flat index " + text(i) +
+                                  "; every value must lie between " + text(low) + " and " + text(high));
+        }
     }
+}
+
+// Indices into something that has `count` members. Doubles hold every index that fits in memory, and, unlike
+// integers, what a caller wrote by mistake.
+inline std::vector<std::uint32_t> indices(const Doubles &array, py::ssize_t count, const std::string &name) {
+    std::vector<std::uint32_t> out;
+    out.reserve(static_cast<std::size_t>(array.size()));
+    for (py::ssize_t i = 0; i < array.size(); ++i) {
+        const double value = array.data()[i];
+        if (!(value >= 0.0 && value < static_cast<double>(count) && value == std::floor(value))) {
+            throw py::value_error(name + " holds " + text(value) + " at flat index " + text(i) +
+                                  "; every value must be one of the " + text(count) + " indices from 0");
+        }
+        out.push_back(static_cast<std::uint32_t>(value));
+    }
+    return out;
 }
 
 inline glm::vec3 vector3(const Floats &array, const std::string &name) {
@@ -110,13 +154,14 @@ inline py::array_t<float> to_numpy(const glm::vec3 &v) {
 }
 
 // The vector's own memory as an array of the given shape, without a copy.
-inline py::array_t<float> to_numpy(std::vector<float> values, std::vector<py::ssize_t> shape) {
-    auto owner = std::make_unique<std::vector<float>>(std::move(values));
-    const float *data = owner->data();
-    const py::capsule keep(owner.get(),
-                           [](void *p) { std::unique_ptr<std::vector<float>>(static_cast<std::vector<float> *>(p)); });
+template <typename Number>
+py::array_t<Number> to_numpy(std::vector<Number> values, std::vector<py::ssize_t> shape) {
+    using Values = std::vector<Number>;
+    auto owner = std::make_unique<Values>(std::move(values));
+    const Number *data = owner->data();
+    const py::capsule keep(owner.get(), [](void *p) { std::unique_ptr<Values>(static_cast<Values *>(p)); });
     static_cast<void>(owner.release()); // the capsule owns it now
-    return py::array_t<float>(std::move(shape), data, keep);
+    return py::array_t<Number>(std::move(shape), data, keep);
 }
 
 } // namespace sfumato::arguments

@@ -4,11 +4,16 @@
 
 #include "reference.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <random>
 
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace sfumato::reference::testing {
 
@@ -27,6 +32,24 @@ inline Medium random_medium(const glm::uvec3 &resolution, const glm::mat4 &grid_
     std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
     for (float &density : medium.density) {
         density = uniform(generator);
+    }
+    return medium;
+}
+
+// A ball of smoke in the middle of its grid: cos^2 of the distance from the middle, with waves, and nothing at the
+// faces.
+inline Medium smooth_medium(const glm::uvec3 &resolution, const glm::mat4 &grid_to_world) {
+    Medium medium = uniform_medium(resolution, 0.0F, grid_to_world);
+    std::size_t cell = 0;
+    for (unsigned k = 0; k < resolution.z; ++k) {
+        for (unsigned j = 0; j < resolution.y; ++j) {
+            for (unsigned i = 0; i < resolution.x; ++i) {
+                const glm::vec3 p = (glm::vec3(i, j, k) + 0.5F) / glm::vec3(resolution) * 2.0F - 1.0F;
+                const float inside = std::cos(0.5F * std::numbers::pi_v<float> * std::min(glm::length(p), 1.0F));
+                const float waves = 1.0F + 0.5F * std::sin(7.0F * p.x + 3.0F * p.y) * std::cos(5.0F * p.z - 2.0F * p.x);
+                medium.density[cell++] = inside * inside * waves;
+            }
+        }
     }
     return medium;
 }
@@ -57,6 +80,19 @@ inline Camera camera_from_above(float size) {
     const glm::vec3 v(0.0F, size, 0.0F);
     const glm::vec3 lower_left(-0.5F * size, -0.5F * size, 0.0F);
     return {{lower_left + glm::vec3(0.0F, 0.0F, 5.0F), u, v}, {lower_left - glm::vec3(0.0F, 0.0F, 5.0F), u, v}};
+}
+
+// A perspective camera at `eye` that looks at `target` with a field of view of 40 degrees from bottom to top.
+inline Camera camera_at(const glm::vec3 &eye, const glm::vec3 &target, float aspect) {
+    const glm::vec3 forward = glm::normalize(target - eye);
+    const glm::vec3 right = glm::normalize(glm::cross(forward, glm::vec3(0.0F, 0.0F, 1.0F)));
+    const glm::vec3 up = glm::cross(right, forward);
+    const float half = std::tan(glm::radians(20.0F));
+    const auto plane = [&](float distance) -> std::array<glm::vec3, 3> {
+        const glm::vec3 u = right * (half * aspect * distance), v = up * (half * distance);
+        return {eye + forward * distance - u - v, 2.0F * u, 2.0F * v};
+    };
+    return {plane(0.1F), plane(100.0F)};
 }
 
 } // namespace sfumato::reference::testing

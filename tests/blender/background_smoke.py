@@ -42,12 +42,14 @@ def test_sample_holds_smoke() -> None:
 
 
 def test_sample_renders() -> None:
-    """The sun lights the floor in the lower left corner, whatever becomes of the smoke."""
+    """Over the sunlit floor, the top of the plume is brighter and the foot of its shadow is dark."""
     harness.open_plume()
     image = harness.render(resolution=(64, 36))
     assert image.shape == (36, 64, 4)
     assert np.isfinite(image).all()
-    assert (image[:4, :8, :3] > 0.01).all()
+    floor, plume, shadow = image[28, 50, 1], image[28, 19, 1], image[6, 27, 1]
+    assert plume > 1.2 * floor
+    assert shadow < 0.3 * floor
 
 
 harness.main()

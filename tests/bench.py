@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measure one subject and print a table:  bench.py NAME [--json FILE]
+
+A subject returns flat rows that all have `case`, `method`, `metric`, `error`, `seconds` and `bytes` (None where nothing
+measured them), and remarks to print below the table. Its rivals run in one process on the same input, so that a ratio
+of two rows means something.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypedDict
+
+from blender_run import ROOT, run_script
+
+
+class Row(TypedDict):
+    case: str
+    method: str
+    metric: str
+    error: float
+    seconds: float
+    bytes: int | None
+
+
+def seconds_at_error(rows: list[Row], error: float) -> float:
+    """The time that a rival needs to reach `error`, from its measured rows, by interpolation of the logarithms.
+
+    Beyond the finest row the error is taken to fall with the root of the time, as noise does; before the coarsest row
+    nothing is gained, since there is nothing cheaper to run.
+    """
+    if not error > 0.0:
+        raise ValueError(f"error must be positive, got {error}")
+    rows = sorted(rows, key=lambda row: row["error"], reverse=True)
+    if error >= rows[0]["error"]:
+        return rows[0]["seconds"]
+    for coarse, fine in zip(rows, rows[1:]):
+        if error > fine["error"]:
+            share = math.log(coarse["error"] / error) / math.log(coarse["error"] / fine["error"])
+            return coarse["seconds"] * math.pow(fine["seconds"] / coarse["seconds"], share)
+    return rows[-1]["seconds"] * (rows[-1]["error"] / error) ** 2
+
+
+def against_cycles() -> tuple[list[Row], list[str]]:
+    """Whole renders of the plume by Sfumato and by Cycles, judged by a Cycles render of far more samples."""
+    methods = ["sfumato"] + [f"cycles-{samples}" for samples in (1, 4, 16, 64, 256)]
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder) / "rows.json"
+        golden = ROOT / "tests" / "goldens" / "plume_cycles.exr"
+        script = ROOT / "tests" / "bench_in_blender.py"
+        run_script(ROOT / "blend_samples" / "plume.blend", script, str(golden), str(answer), *methods)
+        rows: list[Row] = json.loads(answer.read_text(encoding="utf-8"))
+    sfumato, *cycles = rows
+    rival = seconds_at_error(cycles, sfumato["error"])
+    speed_up = rival / sfumato["seconds"]
+    return rows, [f"Cycles needs {rival:.3g} s for sfumato's error: sfumato is {speed_up:.3g} times as fast"]
+
+
+SUBJECTS: dict[str, Callable[[], tuple[list[Row], list[str]]]] = {
+    "cycles": against_cycles,
+}
+
+
+def table(rows: list[Row]) -> str:
+    """The rows as text, one metric named above each group of them."""
+    lines: list[str] = []
+    metric = ""
+    for row in rows:
+        if row["metric"] != metric:
+            metric = row["metric"]
+            lines += [f"error: {metric}", f"{'case':12} {'method':16} {'error':>10} {'seconds':>10} {'bytes':>12}"]
+        size = "-" if row["bytes"] is None else str(row["bytes"])
+        lines.append(f"{row['case']:12} {row['method']:16} {row['error']:10.5f} {row['seconds']:10.4f} {size:>12}")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Measure one subject and print a table.")
+    parser.add_argument("name", choices=sorted(SUBJECTS))
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows there too")
+    arguments = parser.parse_args()
+    rows, remarks = SUBJECTS[arguments.name]()
+    print(table(rows))
+    for remark in remarks:
+        print(remark)
+    if arguments.json is not None:
+        arguments.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

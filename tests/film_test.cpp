@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "film.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace sfumato {
+namespace {
+
+// Harris, "On the use of windows for harmonic analysis", 1978: the four-term window, at x pixels from the centre.
+double window(double x) {
+    const double t = 2.0 * std::numbers::pi * (x / 3.0 + 0.5);
+    return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2.0 * t) - 0.01168 * std::cos(3.0 * t);
+}
+
+// The integral of x^power times the window from its left end to `end`.
+double moment(int power, double end) {
+    const int count = 3000;
+    double sum = 0.0;
+    for (int i = 0; i < count; ++i) {
+        const double x = -1.5 + (end + 1.5) * (i + 0.5) / count;
+        sum += std::pow(x, power) * window(x) * (end + 1.5) / count;
+    }
+    return sum;
+}
+
+const double variance = moment(2, 1.5) / moment(0, 1.5);
+
+TEST(BlackmanHarrisQuantile, IsTheInverseOfTheWindowsIntegral) {
+    for (int i = 1; i < 100; ++i) {
+        const float u = float(i) / 100.0F;
+        const double x = double{blackman_harris_quantile(u)};
+        EXPECT_NEAR(moment(0, x) / moment(0, 1.5), u, 1e-5) << u;
+    }
+}
+
+TEST(BlackmanHarrisQuantile, IsSymmetricAndRises) {
+    EXPECT_NEAR(blackman_harris_quantile(0.5F), 0.0F, 1e-6);
+    EXPECT_NEAR(blackman_harris_quantile(0.0F), -1.5F, 1e-2);
+    float last = -1.6F;
+    for (int i = 0; i <= 128; ++i) {
+        const float u = float(i) / 128.0F, x = blackman_harris_quantile(u);
+        EXPECT_GT(x, last);
+        EXPECT_LE(std::abs(x), 1.5F);
+        if (i > 0 && i < 128) {
+            EXPECT_NEAR(x, -blackman_harris_quantile(1.0F - u), 1e-5) << u;
+        }
+        last = x;
+    }
+}
+
+// No pixel's pattern pulls to a side, and its spread is the filter's, but for what the middles of shares leave out.
+TEST(FilmSamples, FollowTheFilter) {
+    for (const int count : {4, 16, 49, 64}) {
+        for (int turn = 0; turn < FILM_TURNS; ++turn) {
+            const std::vector<FilmSample> samples = film_samples(count, turn);
+            ASSERT_EQ(samples.size(), std::size_t(count));
+            double mean_x = 0.0, mean_y = 0.0, square_x = 0.0, square_y = 0.0;
+            for (const FilmSample &s : samples) {
+                mean_x += double{s.x} / count;
+                mean_y += double{s.y} / count;
+                square_x += double{s.x} * double{s.x} / count;
+                square_y += double{s.y} * double{s.y} / count;
+            }
+            EXPECT_NEAR(mean_x, 0.0, 1e-6) << count << ", turn " << turn;
+            EXPECT_NEAR(mean_y, 0.0, 1e-6) << count << ", turn " << turn;
+            EXPECT_NEAR(square_x, variance, 1.1 * variance / count) << count << ", turn " << turn;
+            EXPECT_NEAR(square_y, variance, 1.1 * variance / count) << count << ", turn " << turn;
+        }
+    }
+}
+
+// Neighbours ask in different places, so that what one misses the next may find.
+TEST(FilmSamples, DifferFromTurnToTurn) {
+    const std::vector<FilmSample> first = film_samples(16, 0);
+    for (int turn = 1; turn < FILM_TURNS; ++turn) {
+        double apart = 0.0;
+        const std::vector<FilmSample> other = film_samples(16, turn);
+        for (std::size_t i = 0; i < 16; ++i) {
+            apart += std::abs(double{first[i].y} - double{other[i].y});
+        }
+        EXPECT_GT(apart, 1.0) << turn;
+    }
+}
+
+// Rings and sectors of equal area hold equal shares of the samples, whatever their number.
+TEST(FilmSamples, FillTheSunsDiskEvenly) {
+    for (const int count : {7, 16, 49, 64, 256}) {
+        for (const int turn : {0, 5}) {
+            double x = 0.0, y = 0.0;
+            std::vector<int> rings(4, 0);
+            for (const FilmSample &s : film_samples(count, turn)) {
+                const double radius = std::hypot(double{s.sun_x}, double{s.sun_y});
+                ASSERT_LT(radius, 1.0);
+                ++rings[std::size_t(4.0 * radius * radius)];
+                x += double{s.sun_x} / count;
+                y += double{s.sun_y} / count;
+            }
+            EXPECT_LT(std::hypot(x, y), 0.6 / std::sqrt(count)) << count;
+            EXPECT_LE(*std::max_element(rings.begin(), rings.end()), count / 4 + 1) << count;
+            EXPECT_GE(*std::min_element(rings.begin(), rings.end()), count / 4 - 1) << count;
+        }
+    }
+}
+
+// Which part of the sun a sample asks for says nothing about where in the pixel it asks.
+TEST(FilmSamples, DoNotPairThePixelWithTheSun) {
+    for (const int count : {16, 49, 64}) {
+        double xx = 0.0, xy = 0.0, yx = 0.0, yy = 0.0;
+        for (int turn = 0; turn < FILM_TURNS; ++turn) {
+            for (const FilmSample &s : film_samples(count, turn)) {
+                const double share = 1.0 / (double(count) * FILM_TURNS);
+                xx += share * double{s.x} * double{s.sun_x};
+                xy += share * double{s.x} * double{s.sun_y};
+                yx += share * double{s.y} * double{s.sun_x};
+                yy += share * double{s.y} * double{s.sun_y};
+            }
+        }
+        // Against the largest there could be, the product of both spreads.
+        const double most = std::sqrt(variance) * 0.5;
+        for (const double correlation : {xx, xy, yx, yy}) {
+            EXPECT_LT(std::abs(correlation), 0.1 * most) << count;
+        }
+    }
+}
+
+} // namespace
+} // namespace sfumato

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light_map.hpp"
+#include "reference_scenes.hpp"
+#include "surfaces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <random>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <gtest/gtest.h>
+
+namespace sfumato {
+namespace {
+
+using reference::testing::oblique_grid;
+using reference::testing::parallelogram;
+using reference::testing::random_medium;
+using reference::testing::smooth_medium;
+using reference::testing::uniform_medium;
+
+const Sun sun{glm::normalize(glm::vec3(0.5F, -0.3F, -1.0F)), glm::vec3(1.0F), 0.0F};
+
+LightMap map_of(const Medium &medium, int coefficients, double texels_per_cell) {
+    return build_light_map(crop(medium), sun, {}, coefficients, texels_per_cell);
+}
+
+// What the map says of points that it knows as (x, y, z), and what the reference says.
+struct Compared {
+    std::vector<float> map;
+    std::vector<double> exact;
+
+    [[nodiscard]] double error() const {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < map.size(); ++i) {
+            sum += std::pow(double{map[i]} - exact[i], 2);
+        }
+        return std::sqrt(sum / double(map.size()));
+    }
+    [[nodiscard]] double largest() const { return *std::max_element(exact.begin(), exact.end()); }
+};
+
+Compared compare(const LightMap &map, const Medium &medium, const std::vector<glm::dvec3> &points) {
+    const glm::dmat4 to_world = glm::inverse(map.world_to_map);
+    const glm::dvec3 towards = -glm::dvec3(sun.direction);
+    std::vector<float> world;
+    Compared compared;
+    for (const glm::dvec3 &p : points) {
+        const glm::vec3 at(to_world * glm::dvec4(p, 1.0));
+        world.insert(world.end(), {at.x, at.y, at.z});
+        compared.exact.push_back(reference::column(medium, glm::dvec3(at) + 100.0 * towards, at));
+    }
+    compared.map.resize(points.size());
+    map.look_up(world, compared.map);
+    return compared;
+}
+
+std::vector<glm::dvec3> random_points(double low, double high) {
+    std::mt19937 generator(31);
+    std::uniform_real_distribution<double> across(0.0, 1.0), along(low, high);
+    std::vector<glm::dvec3> points;
+    for (int i = 0; i < 1000; ++i) {
+        const double x = across(generator), y = across(generator);
+        points.emplace_back(x, y, along(generator));
+    }
+    return points;
+}
+
+// Beyond the smoke nothing depends on the harmonics. At a texel's centre all that is left is the sum over slices.
+TEST(LightMap, HasTheWholeColumnBeyondTheSmoke) {
+    const Medium medium = smooth_medium({16, 18, 20}, oblique_grid());
+    const LightMap map = map_of(medium, 7, 1.0);
+    std::vector<glm::dvec3> centres;
+    for (int y = 0; y < map.size.y; ++y) {
+        for (int x = 0; x < map.size.x; ++x) {
+            centres.emplace_back((x + 0.5) / map.size.x, (y + 0.5) / map.size.y, (x + y) % 2 == 0 ? 1.0 : 3.0);
+        }
+    }
+    const Compared compared = compare(map, medium, centres);
+    EXPECT_LT(compared.error(), 2e-4 * compared.largest());
+    EXPECT_GT(compared.largest(), 0.5);
+}
+
+// Between texels, bilinear interpolation's error falls fourfold when the texels are halved.
+TEST(LightMap, ConvergesToTheSecondOrderAcrossTheLight) {
+    const Medium medium = smooth_medium({16, 18, 20}, oblique_grid());
+    double last = 0.0;
+    for (const double texels_per_cell : {0.5, 1.0, 2.0}) {
+        const Compared compared = compare(map_of(medium, 1, texels_per_cell), medium, random_points(1.0, 2.0));
+        if (last > 0.0) {
+            EXPECT_NEAR(last / compared.error(), 4.0, 1.2) << texels_per_cell;
+        }
+        last = compared.error();
+    }
+    EXPECT_LT(last, 0.01);
+}
+
+TEST(LightMap, ConvergesAlongTheLightAsCoefficientsGrow) {
+    const Medium medium = smooth_medium({16, 18, 20}, oblique_grid());
+    double last = 1.0, first = 0.0;
+    for (const int coefficients : {1, 3, 7, 15}) {
+        const Compared compared = compare(map_of(medium, coefficients, 2.0), medium, random_points(0.0, 1.0));
+        const double error = compared.error() / compared.largest();
+        EXPECT_LT(error, last) << coefficients;
+        first = first > 0.0 ? first : error;
+        last = error;
+    }
+    EXPECT_LT(last, 0.001);
+    EXPECT_GT(first, 0.03); // the constant alone knows nothing of depth
+}
+
+// Cells of noise, the roughest there are: nothing converges quickly, but nothing is biased either.
+TEST(LightMap, OfNoiseIsRightOnAverage) {
+    const Medium medium = random_medium({12, 14, 16}, oblique_grid(), 32);
+    const Compared compared = compare(map_of(medium, 31, 2.0), medium, random_points(0.0, 1.0));
+    double bias = 0.0;
+    for (std::size_t i = 0; i < compared.map.size(); ++i) {
+        bias += (double{compared.map[i]} - compared.exact[i]) / double(compared.map.size());
+    }
+    EXPECT_LT(compared.error(), 0.02 * compared.largest());
+    EXPECT_LT(std::abs(bias), 0.003 * compared.largest());
+}
+
+TEST(LightMap, HasNoSmokeBeforeTheSmokeOrBesideIt) {
+    const Medium medium = random_medium({12, 14, 16}, oblique_grid(), 33);
+    const LightMap map = map_of(medium, 15, 1.0);
+    std::vector<glm::dvec3> points;
+    for (const glm::dvec3 &p : random_points(0.0, 1.0)) {
+        points.emplace_back(p.x, p.y, -p.z);      // before
+        points.emplace_back(p.x + 1.0, p.y, p.z); // beside
+        points.emplace_back(p.x, p.y - 1.0, p.z); // beside
+        points.emplace_back(p.x, -50.0, 5.0);     // far away
+    }
+    const Compared compared = compare(map, medium, points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_EQ(compared.map[i], 0.0F);
+        EXPECT_EQ(compared.exact[i], 0.0);
+    }
+}
+
+// Seen from the sun, all smoke is there: columns times area are the integral of the density over space.
+TEST(LightMap, HoldsTheMassOfTheSmoke) {
+    for (const Medium &medium :
+         {smooth_medium({16, 18, 20}, oblique_grid()), random_medium({12, 14, 16}, oblique_grid(), 34)}) {
+        double expected = 0.0;
+        for (const float value : medium.density) {
+            expected += double{value} * std::abs(glm::determinant(glm::dmat4(medium.grid_to_world)));
+        }
+        for (const double texels_per_cell : {0.7, 1.0, 2.0}) {
+            const LightMap map = map_of(medium, 3, texels_per_cell);
+            const double texel = 0.11 / texels_per_cell; // the shortest edge of oblique_grid()
+            double sum = 0.0;
+            for (std::size_t at = 0; at < map.coefficients.size(); at += 3) {
+                sum += 0.5 * double{map.coefficients[at]} * texel * texel;
+            }
+            EXPECT_NEAR(sum, expected, 0.005 * expected) << texels_per_cell;
+        }
+    }
+}
+
+TEST(LightMap, TakesAnySun) {
+    const Medium medium = uniform_medium({4, 4, 4}, 1.0F, glm::mat4(1.0F));
+    for (const glm::vec3 &direction : {glm::vec3(0, 0, -1), glm::vec3(0, 0, 1), glm::vec3(1, 0, 0), glm::vec3(0, 1, 0),
+                                       glm::vec3(0.1F, -0.2F, 0.95F)}) {
+        const Sun any{glm::normalize(direction), glm::vec3(1.0F), 0.0F};
+        const glm::dmat3 axes = light_axes(any);
+        EXPECT_NEAR(glm::determinant(axes), 1.0, 1e-12); // right-handed, and so of unit length
+        EXPECT_NEAR(glm::distance(axes * glm::transpose(axes) * glm::dvec3(1, 2, 3), glm::dvec3(1, 2, 3)), 0.0, 1e-12);
+        EXPECT_NEAR(glm::distance(axes[2], glm::dvec3(any.direction)), 0.0, 1e-6);
+        const LightMap map = build_light_map(crop(medium), any, {}, 31, 2.0);
+        const glm::vec3 points[] = {glm::vec3(2.0F), glm::vec3(2.0F) + 9.0F * any.direction};
+        float columns[2];
+        map.look_up({&points[0].x, 6}, columns);
+        EXPECT_NEAR(columns[0], 0.5F * columns[1], 0.01);
+        const double whole = reference::column(medium, glm::dvec3(2.0) - 9.0 * glm::dvec3(any.direction),
+                                               glm::dvec3(2.0) + 9.0 * glm::dvec3(any.direction));
+        EXPECT_NEAR(columns[1], whole, 0.01 * whole);
+    }
+}
+
+// Cells as thin as paper ask for a map of 40,000 texels a side, 6 GB a coefficient.
+TEST(LightMap, OfThinCellsStaysWithinItsMemory) {
+    const glm::mat4 thin = glm::scale(glm::mat4(1.0F), glm::vec3(1.0F, 1.0F, 1e-3F));
+    const Medium medium = uniform_medium({40, 40, 4}, 1.0F, thin);
+    const Sun overhead{};
+    const LightMap map = build_light_map(crop(medium), overhead, {}, 3, 1.0);
+    EXPECT_LT(map.coefficients.size(), 69'000'000U);
+    EXPECT_GT(map.coefficients.size(), 65'000'000U);
+    const glm::vec3 below(20.0F, 20.0F, -1.0F);
+    float column = 0.0F;
+    map.look_up({&below.x, 3}, {&column, 1});
+    EXPECT_NEAR(column, 0.004, 1e-5);
+}
+
+// ---- The lit volume ----
+
+CroppedMedium lit(const Medium &medium, const std::vector<Mesh> &meshes, const Kernels &with = kernels()) {
+    const Surfaces surfaces(meshes);
+    CroppedMedium out = crop(medium);
+    light_medium(out, build_light_map(out, sun, surfaces.view(), 31, 2.0, with), with);
+    return out;
+}
+
+// Each cell with smoke that one could see, with its place in the world, its density and its shares of the sun.
+template <typename Visit>
+void for_each_lit_cell(const CroppedMedium &medium, const Visit &visit) {
+    const glm::ivec3 n = medium.resolution;
+    const float *values = medium.lit.data();
+    for (int k = 0; k < n.z; ++k) {
+        for (int j = 0; j < n.y; ++j) {
+            for (int i = 0; i < n.x; ++i, values += medium.channels) {
+                if (values[0] > 1e-3F) {
+                    visit(glm::dvec3(medium.grid_to_world * glm::dvec4(glm::dvec3(i, j, k) + 0.5, 1.0)), values + 1);
+                }
+            }
+        }
+    }
+}
+
+TEST(LitVolume, IsTheTransmittanceTowardsTheSunForEachColour) {
+    Medium medium = smooth_medium({16, 18, 20}, oblique_grid());
+    medium.scattering = {0.5F, 1.0F, 2.0F};
+    const CroppedMedium volume = lit(medium, {});
+    ASSERT_EQ(volume.channels, 4);
+    double sum = 0.0, darkest = 1.0;
+    int cells = 0;
+    for_each_lit_cell(volume, [&](const glm::dvec3 &at, const float *shares) {
+        const glm::dvec3 exact = reference::transmittance_to_infinity(medium, at, -glm::dvec3(sun.direction));
+        for (int c = 0; c < 3; ++c) {
+            sum += std::pow(double{shares[c]} - exact[c], 2) / 3.0;
+        }
+        darkest = std::min(darkest, exact.z);
+        ++cells;
+    });
+    EXPECT_LT(std::sqrt(sum / cells), 0.003);
+    EXPECT_LT(darkest, 0.2);
+    EXPECT_GT(cells, 1000);
+}
+
+// A wall across the light: night behind it, before it nothing changes.
+TEST(LitVolume, IsDarkBehindAWallAndUnchangedBeforeIt) {
+    const Medium medium = smooth_medium({16, 18, 20}, oblique_grid());
+    const glm::vec3 middle(medium.grid_to_world * glm::vec4(8.0F, 9.0F, 10.0F, 1.0F));
+    const glm::dmat3 axes = light_axes(sun);
+    const glm::vec3 across = 20.0F * glm::vec3(axes[0]), up = 20.0F * glm::vec3(axes[1]);
+    const CroppedMedium open = lit(medium, {});
+    const CroppedMedium shaded =
+        lit(medium, {parallelogram(middle - 0.5F * (across + up), across, up, glm::vec3(0.5F))});
+    ASSERT_EQ(open.channels, 2);
+    const float *unshaded = open.lit.data();
+    int before = 0, behind = 0;
+    for_each_lit_cell(shaded, [&](const glm::dvec3 &at, const float *share) {
+        const double distance = glm::dot(at - glm::dvec3(middle), glm::dvec3(sun.direction));
+        const float expected = unshaded[share - shaded.lit.data()];
+        if (distance < -1e-4) {
+            EXPECT_EQ(*share, expected);
+            ++before;
+        } else if (distance > 1e-4) {
+            EXPECT_EQ(*share, 0.0F);
+            ++behind;
+        }
+        EXPECT_GT(expected, 0.0F);
+    });
+    EXPECT_GT(before, 1000);
+    EXPECT_GT(behind, 1000);
+}
+
+// A wall that stands well before the range of the map shades it all, one behind it nothing.
+TEST(LitVolume, MindsSolidsOutsideTheSmoke) {
+    const Medium medium = smooth_medium({16, 18, 20}, oblique_grid());
+    const glm::dmat3 axes = light_axes(sun);
+    const glm::vec3 across = 40.0F * glm::vec3(axes[0]), up = 40.0F * glm::vec3(axes[1]);
+    for (const float distance : {-50.0F, 50.0F}) {
+        const glm::vec3 corner = distance * sun.direction - 0.5F * (across + up);
+        for_each_lit_cell(lit(medium, {parallelogram(corner, across, up, glm::vec3(0.5F))}),
+                          [&](const glm::dvec3 &, const float *share) { EXPECT_EQ(*share > 0.0F, distance > 0.0F); });
+    }
+}
+
+TEST(Kernels, BuildTheSameMapsAndVolumes) {
+    Medium medium = random_medium({12, 14, 16}, oblique_grid(), 35);
+    medium.scattering = {0.5F, 1.0F, 2.0F};
+    const std::vector<Mesh> meshes{parallelogram({-1, -1, 0.5F}, {2, 0, 0}, {0, 1, 0}, glm::vec3(0.5F))};
+    const LightMap map = map_of(medium, 31, 2.0);
+    const CroppedMedium volume = lit(medium, meshes);
+    for (const Kernels &set : available_kernels()) {
+        const LightMap other_map = build_light_map(crop(medium), sun, {}, 31, 2.0, set);
+        ASSERT_EQ(other_map.coefficients.size(), map.coefficients.size());
+        for (std::size_t i = 0; i < map.coefficients.size(); ++i) {
+            EXPECT_NEAR(other_map.coefficients[i], map.coefficients[i], 1e-5) << set.name;
+        }
+        const CroppedMedium other = lit(medium, meshes, set);
+        for_each_lit_cell(volume, [&](const glm::dvec3 &, const float *share) {
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_NEAR(share[c], other.lit[std::size_t(share + c - volume.lit.data())], 1e-5) << set.name;
+            }
+        });
+    }
+}
+
+} // namespace
+} // namespace sfumato
