@@ -16,24 +16,27 @@ from mathutils import Matrix, Quaternion
 from sfumato import log, scene, viewport
 
 SIZE = (320, 180)
-TOLERANCE = 1e-3  # RMSE, of images whose mean is near one; most of what is there is the rounding of half floats
+# Of images whose mean is near one. What llvmpipe shows is the rounding of half floats: 3.5e-4 and 1e-3. The largest
+# leaves room for hardware, which interpolates with weights of 8 bits.
+TOLERANCE, LARGEST = 1e-3, 1e-2
 
 
 def synthetic_frame(coloured: bool) -> Any:
-    """A cloud of noise in front of the sky and over a floor, with a wall inside that ends some rays early."""
+    """Two puffs of noise, with clear air between, in front of the sky and over a floor; a table stands in the upper."""
     noise = np.random.default_rng(7).random((20, 24, 28), dtype=np.float32)
     z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in noise.shape), indexing="ij")
-    density = np.maximum(0.0, 0.8 - np.sqrt(x * x + y * y + z * z)) * noise
+    puffs = [np.sqrt((x - s * 0.6) ** 2 + (y - s * 0.6) ** 2 + (z - s * 0.5) ** 2) for s in (-1.0, 1.0)]
+    density = 2.0 * np.maximum(0.0, 0.45 - np.minimum(*puffs)) * noise
     grid_to_world = np.diag([0.1, 0.1, 0.12, 1.0])
     grid_to_world[:3, 3] = -1.4, -1.2, 0.2
     made = sfumato.Scene()
-    scattering = (4.0, 6.0, 9.0) if coloured else (6.0, 6.0, 6.0)
+    scattering = (8.0, 12.0, 18.0) if coloured else (12.0, 12.0, 12.0)
     made.set_medium(density, grid_to_world, scattering, absorption=(1.0, 1.0, 1.0), anisotropy=0.4)
     made.set_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
     made.set_background((0.3, 0.4, 0.6))
     for corners, normal in (
         ([(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)], (0, 0, 1)),
-        ([(0.2, -0.5, 0.5), (0.2, 0.5, 0.5), (0.2, 0.5, 2), (0.2, -0.5, 2)], (1, 0, 0)),
+        ([(0, 0, 1.9), (1.4, 0, 1.9), (1.4, 1.2, 1.9), (0, 1.2, 1.9)], (0, 0, 1)),
     ):
         made.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], [[normal] * 3] * 2, [0, 0], [(0.7, 0.6, 0.5)])
     return sfumato.Frame(made, coefficients=15)
@@ -48,16 +51,16 @@ def look(perspective: bool, **kind: bool) -> viewport.Look:
     else:
         projection = Matrix.Diagonal((0.3, 0.55, 2.0 / (near - far), 1.0))
         projection[2][3] = (far + near) / (near - far)
-    eye = Matrix.Translation((4.0, -4.5, 2.2)) @ Matrix.Rotation(0.73, 4, "Z") @ Matrix.Rotation(1.42, 4, "X")
+    eye = Matrix.Translation((3.0, -4.5, 3.0)) @ Matrix.Rotation(0.6, 4, "Z") @ Matrix.Rotation(1.3, 4, "X")
     values = tuple(value for row in projection @ eye.inverted() for value in row)
     return viewport.Look(values, SIZE, **kind)
 
 
-def difference(name: str, gpu: Any, cpu: Any) -> float:
+def assert_same(name: str, gpu: Any, cpu: Any) -> None:
     error = np.abs(gpu - cpu)
     rmse = float(np.sqrt(np.mean(error * error)))
     print(f"  {name}: RMSE {rmse:.2e}, largest {error.max():.2e}, mean of the image {cpu.mean():.3f}")
-    return rmse
+    assert rmse <= TOLERANCE and error.max() <= LARGEST
 
 
 def test_gpu_and_cpu_make_the_same_picture() -> None:
@@ -70,7 +73,7 @@ def test_gpu_and_cpu_make_the_same_picture() -> None:
             gpu = screen.read(picture.buffer, 0, SIZE)
             assert (cpu[..., 3] < 1.0).any() and (cpu[..., 3] == 1.0).any(), "the picture lacks sky or floor"
             name = f"{'coloured' if coloured else 'grey'}, {'perspective' if perspective else 'orthographic'}"
-            assert difference(name, gpu, cpu) <= TOLERANCE
+            assert_same(name, gpu, cpu)
 
 
 def test_overlay_is_the_picture_taken_apart() -> None:
@@ -86,7 +89,7 @@ def test_overlay_is_the_picture_taken_apart() -> None:
         cpu = frame.render(camera, *SIZE, edge_samples=1)
         sky = transmittance[..., 3] == 0.0
         rebuilt = radiance[..., :3] + transmittance[..., :3] * surfaces[..., :3]
-        assert difference("before the sky", rebuilt[sky], cpu[..., :3][sky]) <= TOLERANCE
+        assert_same("before the sky", rebuilt[sky], cpu[..., :3][sky])
         # A surface keeps the light that is not the sun's.
         assert (rebuilt[~sky] >= cpu[..., :3][~sky] - 4e-3).all()
         assert (rebuilt[~sky] > cpu[..., :3][~sky] + 0.05).any()
@@ -118,7 +121,11 @@ def counted_exports() -> Iterator[list[int]]:
 
 
 def drawn(seen: list[Any], views: int = 1) -> Iterator[None]:
-    """Wait until that many views have been drawn with all that was changed before."""
+    """Wait until that many views have been drawn with all that was changed before, for the second time: Blender
+    spreads the first over several redraws."""
+    seen.clear()
+    while len(seen) < views:
+        yield
     seen.clear()
     while len(seen) < views:
         yield
@@ -198,7 +205,8 @@ def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes(
         bpy.context.scene.frame_set(12)
         yield from drawn(seen)
         assert exports[0] == read_first + 1
-        assert np.abs(seen[-1][0] - still).max() > 0.1, "the smoke must move with time"
+        if not harness.MANTAFLOW_ABORTS:  # else it is a still
+            assert np.abs(seen[-1][0] - still).max() > 0.1, "the smoke must move with time"
         bpy.data.objects["Sun"].data.energy *= 2.0
         yield from drawn(seen)
         assert exports[0] == read_first + 2
@@ -289,6 +297,30 @@ def test_every_view_of_a_quad_view_has_its_smoke() -> Iterator[None]:
         yield
 
 
+def test_two_windows() -> Iterator[None]:
+    plume("SOLID")
+    window, area, region = screen.viewport()
+    with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
+        bpy.ops.wm.window_new()
+    second = bpy.context.window_manager.windows[-1]
+    try:
+        with screen.watched() as seen:
+            for enabled in (False, True):
+                bpy.context.scene.sfumato.viewport_enabled = enabled
+                yield from drawn(seen, 4)
+                shapes = {picture.shape for picture, _ in seen[-2:]}
+                if not enabled:
+                    without = {picture.shape: picture for picture, _ in seen[-2:]}
+            assert len(shapes) == 2, f"two windows of different sizes, drawn in turn: {shapes}"
+            for picture, _ in seen[-2:]:
+                assert np.abs(picture - without[picture.shape]).max() > 0.1
+    finally:
+        with bpy.context.temp_override(window=second):
+            bpy.ops.wm.window_close()
+        yield
+    assert not log.notices(), log.notices()
+
+
 def test_rendered_view_is_scene_linear() -> Iterator[None]:
     """Before Blender's view transform, the Rendered view holds the radiance that the CPU computes."""
     space, _smoke = plume("RENDERED")
@@ -302,7 +334,7 @@ def test_rendered_view_is_scene_linear() -> Iterator[None]:
     height, width = shown.shape[:2]
     cpu = frame.render(sfumato.Camera(screen.view_matrix()), width, height, edge_samples=1)
     assert space.shading.type == "RENDERED" and cpu[..., 0].max() > 0.2
-    assert difference("plume", shown[..., :3], cpu[..., :3]) <= TOLERANCE
+    assert_same("plume", shown[..., :3], cpu[..., :3])
     assert (shown[..., 3] == 1.0).all()
     assert not log.notices(), log.notices()
 
