@@ -27,7 +27,7 @@ def test_smoke_shows_and_throws_its_shadow() -> None:
     smoke.hide_render = True
     without = pictures.render(SMALL)
     change = with_smoke[..., :3].sum(axis=-1) - without[..., :3].sum(axis=-1)
-    middle = pixel_of(tuple(smoke.matrix_world @ Vector((0.0, 0.0, 0.0))), SMALL)
+    middle = pixel_of(tuple(harness.middle_of(smoke)), SMALL)
     assert abs(change[middle]) > 0.05, change[middle]
     # The sun's light goes through the domain's middle to the floor: there the floor must be darker than it was.
     sun = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")

@@ -21,9 +21,7 @@ from pathlib import Path
 from types import GeneratorType
 
 import bpy
-import numpy as np
 from mathutils import Vector
-from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLE = ROOT / "blend_samples" / "plume.blend"
@@ -88,29 +86,9 @@ def _open_plume_as_volume(frame: int) -> bpy.types.Object:
     return smoke
 
 
-def render(engine: str = "SFUMATO", resolution: tuple[int, int] | None = None) -> NDArray[np.float32]:
-    """Render the scene as F12 would: (height, width, 4), scene-linear, the lowest row first."""
-    scene = bpy.context.scene
-    scene.render.engine = engine
-    if resolution:
-        scene.render.resolution_x, scene.render.resolution_y = resolution
-        scene.render.resolution_percentage = 100
-    # Python cannot read the pixels of a render result, so through a file that keeps them as they are.
-    path = Path(bpy.app.tempdir) / "render.exr"
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_mode = "RGBA"
-    scene.render.image_settings.color_depth = "32"
-    scene.render.filepath = str(path)
-    path.unlink(missing_ok=True)
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(str(path))
-    try:
-        width, height = image.size
-        pixels = np.empty(width * height * 4, dtype=np.float32)
-        image.pixels.foreach_get(pixels)
-    finally:
-        bpy.data.images.remove(image)
-    return pixels.reshape(height, width, 4)
+def middle_of(smoke: bpy.types.Object) -> Vector:
+    """The middle of what open_plume gave, in the world: a domain's own origin, but not a Volume object's."""
+    return smoke.matrix_world @ (sum((Vector(corner) for corner in smoke.bound_box), Vector()) / 8.0)
 
 
 def _step(steps: Iterator[None]) -> float | None:
