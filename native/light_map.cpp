@@ -15,6 +15,8 @@
 namespace sfumato {
 namespace {
 
+constexpr double MOST_COEFFICIENTS = 1 << 26; // a quarter of a gibibyte
+
 // What each slice of the light's path adds to each coefficient, per unit of density: eqs 1-2 for slabs.
 std::vector<float> slice_weights(int slices, int count, double path) {
     std::vector<float> weights(static_cast<std::size_t>(slices) * static_cast<std::size_t>(count));
@@ -114,7 +116,9 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
     }
     LightMap map;
     map.count = count;
-    const double texel = medium.cell_size / texels_per_cell;
+    // Thin cells would ask for more texels than memory holds.
+    const double area = (high.x - low.x) * (high.y - low.y);
+    const double texel = std::max(medium.cell_size / texels_per_cell, std::sqrt(area * count / MOST_COEFFICIENTS));
     map.size = glm::ivec2(glm::ceil(glm::dvec2(high - low) / texel)) + 2; // the rim stays empty
     const glm::dvec3 extent(glm::dvec2(map.size) * texel, high.z - low.z);
     const glm::dvec3 middle = 0.5 * (low + high);
@@ -126,8 +130,8 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
         map.world_to_map[3][row] = -origin[row] / extent[row];
     }
 
-    // One slice a cell: a second one moved the error of the sample plume by less than a thirtieth.
-    const int slices = std::max(1, static_cast<int>(std::ceil(extent.z / medium.cell_size)));
+    // Two slices a cell: with one, the total of a small dense puff can be off by more than 1 %.
+    const int slices = std::max(1, static_cast<int>(std::ceil(2.0 * extent.z / medium.cell_size)));
     const std::vector<float> weights = slice_weights(slices, count, extent.z);
     glm::dmat4 texel_to_map(1.0);
     const glm::dvec3 steps(1.0 / map.size.x, 1.0 / map.size.y, 1.0 / slices);

@@ -32,7 +32,7 @@ struct LightMap {
 // The coordinate frame of a sun: columns are two axes across the light and the light's direction.
 glm::dmat3 light_axes(const Sun &sun);
 
-// `texels_per_cell` relates the map's texels to the edges of the medium's cells.
+// `texels_per_cell` relates the map's texels to the shortest edge of the medium's cells, within 256 MiB a map.
 LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const SurfaceView &surfaces, int count,
                          double texels_per_cell, const Kernels &with = kernels());
 

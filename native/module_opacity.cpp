@@ -28,12 +28,13 @@ void require_coefficients(py::ssize_t count) {
     }
 }
 
-py::object project(const py::array &depth, const py::array &optical_depth, int coefficients, float width) {
-    const Floats z(depth), tau(optical_depth);
+py::object project(const py::object &depth, const py::object &optical_depth, int coefficients, float width) {
+    const py::array given = any_array(depth, "depth");
+    const Floats z(given), tau(any_array(optical_depth, "optical_depth"));
     auto shape = batch_of(z, "depth");
     if (z.ndim() != tau.ndim() || !std::equal(z.shape(), z.shape() + z.ndim(), tau.shape())) {
-        throw py::value_error("depth has shape " + shape_of(z) + " and optical_depth " + shape_of(tau) +
-                              ", but they must be equal");
+        throw py::value_error("optical_depth has shape " + shape_of(tau) + ", but must have that of depth, " +
+                              shape_of(z));
     }
     require_range(z, 0.0F, 1.0F, "depth");
     require_range(tau, 0.0F, 1e30F, "optical_depth");
@@ -55,16 +56,18 @@ py::object project(const py::array &depth, const py::array &optical_depth, int c
         }
     }
     shape.push_back(coefficients);
-    return as_given(depth, to_numpy(std::move(out), shape));
+    return as_given(given, to_numpy(std::move(out), shape));
 }
 
-py::object transmittance(const py::array &coefficients, const py::array &depth) {
-    const Floats series(coefficients), d(depth);
+py::object transmittance(const py::object &coefficients, const py::object &depth) {
+    const py::array given = any_array(coefficients, "coefficients");
+    const Floats series(given), d(any_array(depth, "depth"));
     auto shape = batch_of(series, "coefficients");
     const auto outer = batch_of(d, "depth");
     if (shape != outer) {
-        throw py::value_error("coefficients has shape " + shape_of(series) + " and depth " + shape_of(d) +
-                              ", but all axes other than the last must be equal");
+        throw py::value_error("depth has shape " + shape_of(d) +
+                              ", but all axes other than the last must be those of " + "coefficients, " +
+                              shape_of(series));
     }
     require_coefficients(series.shape(series.ndim() - 1));
     require_finite(series, "coefficients");
@@ -80,16 +83,20 @@ py::object transmittance(const py::array &coefficients, const py::array &depth) 
         }
     }
     shape.push_back(static_cast<py::ssize_t>(depths));
-    return as_given(coefficients, to_numpy(std::move(out), shape));
+    return as_given(given, to_numpy(std::move(out), shape));
 }
 
-py::object phase(const py::array &cos_theta, float anisotropy) {
-    const Floats cosines(cos_theta);
+py::object phase(const py::object &cos_theta, float anisotropy) {
+    const py::array given = any_array(cos_theta, "cos_theta");
+    const Floats cosines(given);
     require_range(cosines, -1.0F, 1.0F, "cos_theta");
     require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
     std::vector<float> out(static_cast<std::size_t>(cosines.size()));
-    henyey_greenstein({cosines.data(), out.size()}, anisotropy, out);
-    return as_given(cos_theta, to_numpy(std::move(out), {cosines.shape(), cosines.shape() + cosines.ndim()}));
+    {
+        const py::gil_scoped_release unlocked;
+        henyey_greenstein({cosines.data(), out.size()}, anisotropy, out);
+    }
+    return as_given(given, to_numpy(std::move(out), {cosines.shape(), cosines.shape() + cosines.ndim()}));
 }
 
 } // namespace
@@ -121,8 +128,8 @@ coefficients (..., m) with m odd, depth (..., d) in [0, 1]. Returns (..., d) in 
 directions of travel before and after scattering, anisotropy g in (-1, 1).
 
 >>> import numpy as np
->>> float(henyey_greenstein(np.array([1.0]), 0.0)[0] * 4 * np.pi)
-1.0
+>>> (henyey_greenstein(np.array([-1.0, 1.0]), 0.5) * 4 * np.pi).round(3).tolist()
+[0.222, 6.0]
 )");
 }
 

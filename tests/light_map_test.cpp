@@ -181,6 +181,20 @@ TEST(LightMap, TakesAnySun) {
     }
 }
 
+// Cells as thin as paper ask for a map of 40,000 texels a side, 6 GB a coefficient.
+TEST(LightMap, OfThinCellsStaysWithinItsMemory) {
+    const glm::mat4 thin = glm::scale(glm::mat4(1.0F), glm::vec3(1.0F, 1.0F, 1e-3F));
+    const Medium medium = uniform_medium({40, 40, 4}, 1.0F, thin);
+    const Sun overhead{};
+    const LightMap map = build_light_map(crop(medium), overhead, {}, 3, 1.0);
+    EXPECT_LT(map.coefficients.size(), 69'000'000U);
+    EXPECT_GT(map.coefficients.size(), 65'000'000U);
+    const glm::vec3 below(20.0F, 20.0F, -1.0F);
+    float column = 0.0F;
+    map.look_up({&below.x, 3}, {&column, 1});
+    EXPECT_NEAR(column, 0.004, 1e-5);
+}
+
 // ---- The lit volume ----
 
 CroppedMedium lit(const Medium &medium, const std::vector<Mesh> &meshes, const Kernels &with = kernels()) {
