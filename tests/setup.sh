@@ -35,11 +35,12 @@ install_missing() {
     DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}"
 }
 
+# build_target NAME: `addon`, or `all` to have the C++ tests too.
 # Debian's own Python, whatever the PATH says: it is the one inside Debian's Blender.
-build_all() {
+build_target() {
     say "Building in $build"
     cmake -S "$root" -B "$build" -G Ninja -DPython_EXECUTABLE=/usr/bin/python3
-    cmake --build "$build"
+    cmake --build "$build" --target "$1"
 }
 
 # From here on Blender keeps its preferences, caches and temporary files in build/, and finds the built add-on there.

@@ -37,3 +37,7 @@ def test_python_is_formatted() -> None:
 
 def test_python_is_typed() -> None:
     check(tool("mypy"), "addon")
+
+
+def test_shell_is_clean() -> None:
+    check(tool("shellcheck"), "--external-sources", ".ci/run", "blend_samples/render", "tests/matrix", "tests/run")

@@ -102,7 +102,7 @@ def test_no_camera() -> None:
 
 def test_camera_inside_the_smoke() -> None:
     thing = harness.open_plume()
-    bpy.context.scene.camera.location = thing.matrix_world.translation
+    bpy.context.scene.camera.location = harness.middle_of(thing)
     image = pictures.render(TINY)
     assert np.isfinite(image).all() and image[..., :3].max() > 0.0
 
