@@ -224,7 +224,8 @@ void trace(const FrameView &frame, const Packet &packet, Light &light) {
         for (int i = 0; i < 3; ++i) {
             const Real reflected =
                 frame.lit ? diffuse_reflection(albedos[i], sun.cosine) * frame.sun.irradiance[i] : sun.cosine;
-            rgb[i] = pick(surface.hit, sun.visibility * reflected, rgb[i]);
+            const Real visibility = frame.lit || i == 0 ? sun.visibility : Real(1.0F);
+            rgb[i] = pick(surface.hit, visibility * reflected, rgb[i]);
             arriving[i] = transmittance_of(sun.column * frame.medium.extinction[i]);
         }
     }

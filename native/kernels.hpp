@@ -104,7 +104,7 @@ struct FrameView {
     MediumView medium;
     LightMapView map; // of the medium; read only where there are a sun and a medium
     glm::vec3 background{0.0F};
-    bool lit = true;   // surfaces: radiance, or visibility times cosine
+    bool lit = true;   // surfaces: radiance, or the cosine of the sun, in red times its visibility
     bool smoke = true; // or the surfaces alone
 };
 

@@ -320,8 +320,9 @@ share of the work that is done, by the thread that called; when it returns False
 True
 )")
         .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("lit") = true,
-             R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: visibility of
-the sun times the cosine of its angle) and the distance to it in metres, the far plane's where there is none.
+             R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: the
+cosine of the sun's angle, in red times the visibility of the sun) and the distance to it in metres, the far plane's
+where there is none.
 
 >>> import numpy as np
 >>> Frame(Scene()).surfaces(Camera(np.diag([1, 1, -0.1, 1])), width=1, height=1)[0, 0].tolist()
