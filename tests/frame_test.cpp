@@ -222,6 +222,19 @@ TEST(Picture, WithoutSmokeIsThatOfTheReference) {
     EXPECT_LT(error(render(scene), exact(scene)), 1e-5);
 }
 
+// A sheet whose normals point away from the eye and lean, so that they shade it smoothly.
+TEST(Picture, OfTheBackOfASmoothSheetIsThatOfTheReference) {
+    Scene scene = smoke_over_floor();
+    scene.medium.reset();
+    Mesh sheet = parallelogram({-1, -1, 0.7F}, {0, 2, 0}, {2, 0, 0.3F}, glm::vec3(0.7F)); // its normal points down
+    for (auto &triangle : sheet.corner_normals) {
+        triangle[0] = glm::normalize(triangle[0] + glm::vec3(0.6F, 0.2F, 0.0F));
+        triangle[2] = glm::normalize(triangle[2] - glm::vec3(0.0F, 0.5F, 0.0F));
+    }
+    scene.meshes.push_back(sheet);
+    EXPECT_LT(error(render(scene), exact(scene)), 1e-5);
+}
+
 TEST(Picture, WithoutASunIsTheBackgroundThroughTheSmoke) {
     Scene scene = smoke_over_floor();
     scene.sun.reset();

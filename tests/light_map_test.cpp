@@ -126,18 +126,44 @@ TEST(LightMap, OfNoiseIsRightOnAverage) {
 
 TEST(LightMap, HasNoSmokeBeforeTheSmokeOrBesideIt) {
     const Medium medium = random_medium({12, 14, 16}, oblique_grid(), 33);
-    const LightMap map = map_of(medium, 15, 1.0);
-    std::vector<glm::dvec3> points;
-    for (const glm::dvec3 &p : random_points(0.0, 1.0)) {
-        points.emplace_back(p.x, p.y, -p.z);      // before
-        points.emplace_back(p.x + 1.0, p.y, p.z); // beside
-        points.emplace_back(p.x, p.y - 1.0, p.z); // beside
-        points.emplace_back(p.x, -50.0, 5.0);     // far away
+    for (const double texels_per_cell : {0.25, 1.0}) {
+        const LightMap map = map_of(medium, 15, texels_per_cell);
+        std::vector<glm::dvec3> points;
+        for (const glm::dvec3 &p : random_points(0.0, 1.0)) {
+            points.emplace_back(p.x, p.y, -p.z);      // before
+            points.emplace_back(p.x + 1.0, p.y, p.z); // beside
+            points.emplace_back(p.x, p.y - 1.0, p.z); // beside
+            points.emplace_back(p.x, -50.0, 5.0);     // far away
+        }
+        const Compared compared = compare(map, medium, points);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            EXPECT_EQ(compared.map[i], 0.0F);
+            EXPECT_EQ(compared.exact[i], 0.0);
+        }
     }
-    const Compared compared = compare(map, medium, points);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        EXPECT_EQ(compared.map[i], 0.0F);
-        EXPECT_EQ(compared.exact[i], 0.0);
+}
+
+// However coarse the map, its outermost texels are empty: they answer for the rest of the world.
+TEST(LightMap, OfFewTexelsEndsAtTheSmokeToo) {
+    const Medium medium = uniform_medium({6, 6, 4}, 1.0F, glm::mat4(1.0F));
+    const LightMap map = build_light_map(crop(medium), Sun{}, {}, 3, 0.25);
+    for (const glm::vec3 &point : {glm::vec3(-50, 3, -1), glm::vec3(50, 3, -1), glm::vec3(3, -50, -1)}) {
+        float column = -1.0F;
+        map.look_up({&point.x, 3}, {&column, 1});
+        EXPECT_EQ(column, 0.0F);
+    }
+}
+
+// Few slices and many harmonics: smoke that is even along the light must not fall apart into the slices.
+TEST(LightMap, OfEvenSmokeRisesEvenly) {
+    const Medium medium = uniform_medium({6, 6, 4}, 1.0F, glm::mat4(1.0F));
+    const Sun overhead{};
+    const LightMap map = build_light_map(crop(medium), overhead, {}, 63, 1.0);
+    for (float depth = 0.5F; depth <= 3.5F; depth += 0.05F) {
+        const glm::vec3 point(3.0F, 3.0F, 4.0F - depth);
+        float column = 0.0F;
+        map.look_up({&point.x, 3}, {&column, 1});
+        EXPECT_NEAR(column, depth, 0.03) << depth;
     }
 }
 

@@ -63,7 +63,11 @@ TEST(March, StraightOnCrossesTheSlabOnce) {
 TEST(MarchSteps, AreNoLongerThanAskedAndNoMoreThanNeeded) {
     EXPECT_EQ(glsl::march_steps(0.0F, 0.1F), 1.0F);
     EXPECT_EQ(glsl::march_steps(0.05F, 0.1F), 1.0F);
-    EXPECT_EQ(glsl::march_steps(0.8F, 0.1F), 8.0F); // not 9 for a rounding error
+    float sum = 0.0F;
+    for (int steps = 1; steps <= 100; ++steps) {
+        sum += 0.1F;
+        EXPECT_EQ(glsl::march_steps(sum, 0.1F), float(steps)); // not one more for a rounding error
+    }
     for (float stretch = 0.01F; stretch < 7.0F; stretch *= 1.07F) {
         const float steps = glsl::march_steps(stretch, 0.1F);
         EXPECT_LE(stretch / steps, 0.1F * 1.002F) << stretch;

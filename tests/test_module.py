@@ -94,7 +94,8 @@ def camera_from_above() -> Camera:
 
 
 def picture(scene: Scene, **render: Any) -> Array:
-    return Frame(scene).render(camera_from_above(), **{"width": 12, "height": 8, **render})
+    image: Array = Frame(scene).render(camera_from_above(), **{"width": 12, "height": 8, **render})
+    return image
 
 
 # ---- Shapes and types ----
@@ -166,13 +167,13 @@ def test_pictures_start_at_the_lower_left() -> None:
 
 
 def test_parts_of_a_frame() -> None:
-    frame = Frame(scene_of(), coefficients=7, texels_per_cell=2.0, steps_per_cell=2.0)
+    grid_to_world = np.array([[0.2, 0, 0, 1], [0, 0.25, 0, 2], [0, 0, 0.3, 3], [0, 0, 0, 1]])
+    frame = Frame(scene_of(grid_to_world=grid_to_world), coefficients=7, texels_per_cell=2.0, steps_per_cell=2.0)
     medium, light_map = frame.medium, frame.light_map
     assert medium.lit_volume.shape == (5, 6, 7, 2) and medium.lit_volume.dtype == np.float32
     assert medium.clearance.shape == (2, 2, 2)
-    np.testing.assert_allclose(
-        medium.grid_to_world[:3, 3], (-0.2, -0.25, -0.3), atol=1e-6
-    )  # one empty cell further out
+    first = grid_to_world @ (-1, -1, -1, 1)  # there is one empty cell more
+    np.testing.assert_allclose(medium.grid_to_world, np.c_[grid_to_world[:, :3], first], atol=1e-6)
     np.testing.assert_allclose(medium.extinction, 1.5)
     np.testing.assert_allclose(medium.albedo, 2 / 3)
     assert medium.anisotropy == 0.25
@@ -229,7 +230,7 @@ def test_rays_without_absorbers_or_depths_are_clear() -> None:
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
 def test_precision_is_kept(kind: type) -> None:
-    depth = np.linspace(0.0, 1.0, 8, dtype=kind)
+    depth: Array = np.linspace(0.0, 1.0, 8, dtype=kind)
     series = sfumato.project(depth, depth)
     assert series.dtype == kind
     assert sfumato.transmittance(series, depth).dtype == kind
@@ -421,12 +422,13 @@ def test_bad_input_is_named(refused: Callable[[], Any], argument: str, value: st
 def test_a_refusal_changes_nothing() -> None:
     scene = scene_of()
     before = picture(scene)
-    for refused in (
+    refusals: list[Callable[[], Any]] = [
         lambda: scene.add_mesh(**{**TRIANGLE, "material": [7]}),
         lambda: scene.set_medium(**{**MEDIUM, "anisotropy": 2.0}),
         lambda: scene.set_sun(**{**SUN, "angle": -1.0}),
         lambda: scene.set_background((NAN, 0, 0)),
-    ):
+    ]
+    for refused in refusals:
         with pytest.raises(ValueError):
             refused()
     np.testing.assert_array_equal(picture(scene), before)
