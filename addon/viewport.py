@@ -155,7 +155,9 @@ class _Smoke:
         uniforms[15] = (nx, ny, nz, 1.0 / BRICK)
         uniforms[16, 2] = (light_map.shape[2] - 1) // 2
         self.uniforms = uniforms
-        self.colours = channels - 1
+        self.colours = 1 if frame.medium is None or np.ptp(frame.medium.extinction) == 0.0 else 3
+        if channels == 3:  # there are no textures of three floats; two leave the third channel zero
+            volume = np.concatenate((volume, np.zeros((nz, ny, nx, 1), np.float32)), axis=-1)
         self.lit_volume = _texture((nx, ny, nz), "RG" if channels == 2 else "RGBA", volume)
         self.clearance = _texture(clearance.shape[::-1], "R", clearance)
         layers = light_map_layers(light_map)

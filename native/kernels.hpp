@@ -60,16 +60,15 @@ struct ProjectRow {
     float *coefficients = nullptr; // of this row
 };
 
-// Fills channels 1, 2, ... of one slice z of the lit volume: the optical depth that the sun's light crosses on its way
-// to each cell centre (optical_depth_to_sun of shaders/medium.glsl).
+// Fills one slice z of the lit volume: the column density between each cell centre and the sun, and the share of the
+// sun that solids keep from it.
 struct LightSlice {
     LightMapView map;
     ClearanceView clearance;
     Affine grid_to_map;
-    float *lit = nullptr; // the whole volume
-    int channels = 2;     // density and one optical depth, or density and three
+    float *lit = nullptr;       // the whole volume: density and column density, interleaved
+    float *occlusion = nullptr; // the whole volume
     int nx = 0, ny = 0, nz = 0, z = 0;
-    float extinction[3] = {0.0F, 0.0F, 0.0F};
 };
 
 // The triangles' attributes, indexed by Embree's primitive number.
@@ -93,6 +92,7 @@ struct MediumView {
     ClearanceView clearance;
     Affine world_to_grid;
     float extinction[3] = {0.0F, 0.0F, 0.0F};
+    bool grey = true; // all three alike: one march serves them
     float albedo[3] = {0.0F, 0.0F, 0.0F};
     float anisotropy = 0.0F;
     float step_length = 1.0F;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -159,23 +160,33 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
 }
 
 void light_medium(CroppedMedium &medium, const LightMap &map, const Kernels &with) {
+    std::vector<float> occlusion(medium.lit.size() / 2, 0.0F);
     LightSlice slice;
     slice.map = map.view();
     slice.clearance = medium.clearances();
     slice.grid_to_map = affine(map.world_to_map * medium.grid_to_world);
     slice.lit = medium.lit.data();
-    slice.channels = medium.channels;
+    slice.occlusion = occlusion.data();
     slice.nx = medium.resolution.x;
     slice.ny = medium.resolution.y;
     slice.nz = medium.resolution.z;
-    for (int c = 0; c < 3; ++c) {
-        slice.extinction[c] = medium.extinction[c];
-    }
     oneapi::tbb::parallel_for(0, medium.resolution.z, [&, slice](int z) {
         LightSlice own = slice;
         own.z = z;
         with.light_slice(own);
     });
+    // Most smoke stands in the open: then the march need not fetch what is zero everywhere.
+    if (std::none_of(occlusion.begin(), occlusion.end(), [](float share) { return share > 0.0F; })) {
+        return;
+    }
+    std::vector<float> shaded(3 * occlusion.size());
+    for (std::size_t i = 0; i < occlusion.size(); ++i) {
+        shaded[3 * i] = medium.lit[2 * i];
+        shaded[3 * i + 1] = medium.lit[2 * i + 1];
+        shaded[3 * i + 2] = occlusion[i];
+    }
+    medium.lit = std::move(shaded);
+    medium.channels = 3;
 }
 
 } // namespace sfumato

@@ -36,7 +36,7 @@ glm::dmat3 light_axes(const Sun &sun);
 LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const SurfaceView &surfaces, int count,
                          double texels_per_cell, const Kernels &with = kernels());
 
-// Fills the medium's channels of arriving light.
+// Fills the medium's channel of column density, and adds one of occlusion where a solid shades the smoke.
 void light_medium(CroppedMedium &medium, const LightMap &map, const Kernels &with = kernels());
 
 } // namespace sfumato

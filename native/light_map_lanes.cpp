@@ -54,14 +54,14 @@ void project_row(const ProjectRow &row) {
 
 namespace {
 
-// The share of light that solids let through: 1 before the first solid of each texel, 0 behind, filtered bilinearly
+// The share of light that solids keep back: 0 before the first solid of each texel, 1 behind, filtered bilinearly
 // (Reeves, Salesin and Cook 1987). The softening over one texel stands for the sun's disk.
-inline Real solid_visibility(const LightMapView &map, const Texels &texels, Real z) {
-    Real visible = 0.0F;
+inline Real solid_occlusion(const LightMapView &map, const Texels &texels, Real z) {
+    Real occluded[4];
     for (int t = 0; t < 4; ++t) {
-        visible = visible + pick(z < gather(map.solid_depth, texels.at[t]), texels.weight[t], 0.0F);
+        occluded[t] = pick(z < gather(map.solid_depth, texels.at[t]), 0.0F, 1.0F);
     }
-    return visible;
+    return bilinear(texels, occluded);
 }
 
 // Whether interpolation in a brick that holds smoke can reach any of these cells: an empty cell beside smoke counts.
@@ -87,14 +87,14 @@ void light_slice(const LightSlice &slice) {
             const vec3 m = transform_point(slice.grid_to_map, p);
             const Texels texels = locate(slice.map, m.x, m.y);
             const Real column = column_density(slice.map, texels, m.z);
-            const Real visible = solid_visibility(slice.map, texels, m.z);
-            alignas(64) float lanes[LANES];
-            for (int c = 1; c < slice.channels; ++c) {
-                optical_depth_to_sun(column, slice.extinction[c - 1], visible).store_aligned(lanes);
-                const int row = (slice.z * slice.ny + y) * slice.nx;
-                for (int lane = 0; lane < LANES && x + lane < slice.nx; ++lane) {
-                    slice.lit[(row + x + lane) * slice.channels + c] = lanes[lane];
-                }
+            const Real occlusion = solid_occlusion(slice.map, texels, m.z);
+            alignas(64) float columns[LANES], occlusions[LANES];
+            column.store_aligned(columns);
+            occlusion.store_aligned(occlusions);
+            const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(slice.z) * slice.ny + y) * slice.nx;
+            for (int lane = 0; lane < LANES && x + lane < slice.nx; ++lane) {
+                slice.lit[2 * (row + x + lane) + 1] = columns[lane];
+                slice.occlusion[row + x + lane] = occlusions[lane];
             }
         }
     }

@@ -259,10 +259,10 @@ Raises ValueError if it cannot be inverted.
     bind_reference(m);
 
     py::class_<CroppedMedium>(m, "LitMedium", "The smoke of a frame, cropped, with the light that reaches it.")
-        .def_property_readonly(
-            "lit_volume", &lit_volume,
-            "(nz, ny, nx, c): density, then the optical depth towards the sun, solids included: once where the "
-            "extinction is grey (c = 2), else for each of RGB (c = 4). A copy.")
+        .def_property_readonly("lit_volume", &lit_volume,
+                               "(nz, ny, nx, c): density, column density towards the sun (metres times density), and "
+                               "where solids shade the "
+                               "smoke (c = 3) the share of the sun that they keep back. A copy.")
         .def_property_readonly(
             "grid_to_world", [](const CroppedMedium &s) { return to_numpy(s.grid_to_world); },
             "(4, 4): from cells of lit_volume to metres in world space.")

@@ -4,7 +4,7 @@
 // Textures (viewport.py makes them):
 //   surfaces    radiance without smoke, or with OVERLAY the cosine of the sun's angle,
 //               in red where solids leave the sun visible; alpha: distance along the ray
-//   lit_volume  density; the optical depth towards the sun, for each of COLOURS
+//   lit_volume  density, column density towards the sun, share of the sun that solids keep back (0 where not stored)
 //   clearance   for each brick of the volume: negative where smoke may be met, else how many cells are empty around it
 //   light_map   layer j holds a_2j, b_2j, a_2j+1, b_2j+1, where b_0 = 0
 //
@@ -97,7 +97,7 @@ void main()
       vec4 lit = textureLod(lit_volume, place / view.grid.xyz, 0.0f);
       clearest = OPAQUE_DEPTH;
       for (int c = 0; c < COLOURS; ++c) {
-        march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, lit[c + 1]);
+        march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, view.extinction[c] * lit.y, lit.z);
         clearest = min(clearest, march[c].optical_depth);
       }
     }
