@@ -48,6 +48,10 @@ void set_medium(Scene &scene, const Floats &density, const Doubles &grid_to_worl
     if (density.size() == 0) {
         throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
     }
+    constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // the lanes' indices have 32 bits
+    if (density.size() > MOST_CELLS) {
+        throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
+    }
     require_range(density, 0.0F, 1e30F, "density");
     Medium medium;
     require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
