@@ -29,7 +29,7 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 // Anything that NumPy makes an array of, in the precision that it came in.
 inline py::array any_array(const py::object &given, const std::string &name) {
-    const py::array array = py::array::ensure(given);
+    py::array array = py::array::ensure(given);
     if (!array || std::string_view("fiub").find(array.dtype().kind()) == std::string_view::npos) {
         throw py::value_error(name + " is " + std::string(py::repr(given)) + ", but must be an array of real numbers");
     }
