@@ -89,6 +89,19 @@ def test_lamps_that_are_not_shown() -> None:
     assert said("Desk", "point"), log.notices()
 
 
+def test_materials_that_are_not_diffuse() -> None:
+    harness.open_plume()
+    for thing, node in (("Ball", "ShaderNodeBsdfGlossy"), ("Block", "ShaderNodeBsdfPrincipled")):
+        material = bpy.context.scene.objects[thing].active_material
+        shader = material.node_tree.nodes.new(node)
+        if "Metallic" in shader.inputs:
+            shader.inputs["Metallic"].default_value = 1.0
+        output = material.node_tree.get_output_node("ALL")
+        material.node_tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    assert pictures.render(TINY)[..., :3].max() > 0.0
+    assert said("Ball", "glossy") and said("Block", "Metallic"), log.notices()
+
+
 def test_no_camera() -> None:
     harness.open_plume()
     bpy.context.scene.camera = None
