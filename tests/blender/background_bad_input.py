@@ -81,6 +81,16 @@ def test_no_light() -> None:
     assert said("No sun"), log.notices()
 
 
+def test_a_wide_sun() -> None:
+    harness.open_plume()
+    sun = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")
+    pictures.render(TINY)
+    assert not said("angle"), log.notices()
+    sun.data.angle = 0.2
+    pictures.render(TINY)
+    assert said(sun.name, "11.5"), log.notices()
+
+
 def test_lamps_that_are_not_shown() -> None:
     harness.open_plume()
     lamp = bpy.data.objects.new("Desk", bpy.data.lights.new("Desk", "POINT"))
