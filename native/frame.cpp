@@ -5,7 +5,6 @@
 #include "glsl.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 
@@ -54,8 +53,7 @@ void trace_row(const Kernels &with, const FrameView &view, const std::vector<Fil
         }
         with.trace(view, packet, light);
         for (int lane = 0; lane < lanes && x0 + lane < image.width; ++lane) {
-            const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                      static_cast<std::size_t>(x0 + lane);
+            const std::size_t pixel = image.at(x0 + lane, y);
             float *rgba = image.rgba.data() + 4 * pixel;
             for (int c = 0; c < 3; ++c) {
                 rgba[c] = light.radiance[c][lane];
@@ -150,7 +148,7 @@ Frame::Frame(const Scene &scene, const FrameSettings &settings, const Kernels &w
     if (medium_.empty()) {
         return;
     }
-    step_length_ = medium_.cell_size / settings.steps_per_cell;
+    step_length_ = 1.0 / settings.steps_per_cell;
     if (sun_) {
         light_map_ =
             build_light_map(medium_, *sun_, surfaces_.view(), settings.coefficients, settings.texels_per_cell, with);

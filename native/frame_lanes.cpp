@@ -173,7 +173,8 @@ Smoke march(const MediumView &medium, const Ray &ray, Real distance, Mask active
         m.scattered = 0.0F;
     }
     if (xsimd::any(stretch > 0.0F)) {
-        const Real steps = pick(stretch > 0.0F, march_steps(stretch, medium.step_length), 0.0F);
+        const Real steps =
+            pick(stretch > 0.0F, march_steps(stretch * sqrt(dot(direction, direction)), medium.step_length), 0.0F);
         const Real step = stretch / max(steps, 1.0F);
         const Real speed = max(max(abs(direction.x), abs(direction.y)), abs(direction.z)) * step; // cells a step
         const Real leap = 1.0F / max(speed, 1e-6F);

@@ -95,7 +95,7 @@ struct MediumView {
     bool grey = true; // all three alike: one march serves them
     float albedo[3] = {0.0F, 0.0F, 0.0F};
     float anisotropy = 0.0F;
-    float step_length = 1.0F;
+    float step_length = 1.0F; // cells
 };
 
 struct FrameView {

@@ -131,8 +131,9 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
         map.world_to_map[3][row] = -origin[row] / extent[row];
     }
 
-    // Two slices a cell: with one, the total of a small dense puff can be off by more than 1 %.
-    const int slices = std::max(1, static_cast<int>(std::ceil(2.0 * extent.z / medium.cell_size)));
+    // Two slices a cell along the light: with one, the total of a small dense puff can be off by more than 1 %.
+    const glm::dmat4 map_to_grid = glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_map);
+    const int slices = std::max(1, static_cast<int>(std::ceil(2.0 * glm::length(glm::dvec3(map_to_grid[2])))));
     const std::vector<float> weights = slice_weights(slices, count, extent.z);
     glm::dmat4 texel_to_map(1.0);
     const glm::dvec3 steps(1.0 / map.size.x, 1.0 / map.size.y, 1.0 / slices);
@@ -140,7 +141,7 @@ LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const Surf
         texel_to_map[axis][axis] = steps[axis];
         texel_to_map[3][axis] = 0.5 * steps[axis];
     }
-    const glm::dmat4 texel_to_grid = glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_map) * texel_to_map;
+    const glm::dmat4 texel_to_grid = map_to_grid * texel_to_map;
     map.coefficients.resize(map.texels() * static_cast<std::size_t>(count));
     oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
         ProjectRow row;

@@ -350,7 +350,7 @@ Solids are left out. All ones where the scene has no smoke or no sun.
         .def_property_readonly(
             "light_map", [](const Frame &frame) { return frame.light_map() ? &*frame.light_map() : nullptr; },
             py::return_value_policy::reference_internal, "LightMap, or None where there is no smoke or no sun.")
-        .def_property_readonly("step_length", &Frame::step_length, "Of the march along view rays, metres.")
+        .def_property_readonly("step_length", &Frame::step_length, "Of the march along view rays, in cells.")
         .def_property_readonly(
             "sun",
             [](const Frame &frame) -> py::object {

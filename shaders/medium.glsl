@@ -6,7 +6,8 @@
 // with the phase function p, the sun's irradiance E, and the optical depths towards the eye and towards the sun.
 // What this file computes is the integral, called `scattered`: a number in [0, 1], one for each colour of sigma_t.
 
-// The number of equal steps, none longer than `step_length`, that a stretch is cut into.
+// The number of equal steps, none longer than `step_length`, that a stretch is cut into. Both are measured in cells, so
+// that a grid that is flattened in the world costs what it costs unflattened.
 float march_steps(float stretch, float step_length)
 {
   return max(ceil(stretch / step_length - 1e-3f), 1.0f);

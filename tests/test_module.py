@@ -179,7 +179,7 @@ def test_parts_of_a_frame() -> None:
     assert medium.anisotropy == 0.25
     assert light_map.coefficients.shape[2] == 7
     assert light_map.world_to_map.shape == (4, 4)
-    assert frame.step_length == pytest.approx(0.1)
+    assert frame.step_length == pytest.approx(0.5)
     direction, irradiance, angle = frame.sun
     np.testing.assert_array_equal(direction, SUN["direction"])
     np.testing.assert_array_equal(irradiance, SUN["irradiance"])

@@ -79,7 +79,7 @@ void main()
   interval = clip_to_box(interval, origin, direction, view.grid.xyz);
   float stretch = interval.far_t - interval.near_t;
   if (stretch > 0.0f) {
-    float steps = march_steps(stretch, view.source.w);
+    float steps = march_steps(stretch * length(direction), view.source.w);
     float dt = stretch / steps;
     float speed = max(max(abs(direction.x), abs(direction.y)), abs(direction.z)) * dt; // cells a step
     ivec3 last_brick = textureSize(clearance, 0) - 1;

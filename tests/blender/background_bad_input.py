@@ -72,6 +72,12 @@ def test_domain_without_size() -> None:
     assert said(thing.name, "scale"), log.notices()
 
 
+def test_flattened_domain_costs_what_it_costs() -> None:
+    thing = harness.open_plume()
+    thing.scale.z *= 1e-4
+    assert np.isfinite(pictures.render(TINY)).all()
+
+
 def test_no_light() -> None:
     harness.open_plume()
     for thing in list(bpy.context.scene.objects):
