@@ -6,6 +6,7 @@
 
 namespace sfumato {
 
+void bind_basis(pybind11::module_ &m);
 void bind_opacity(pybind11::module_ &m);
 void bind_reference(pybind11::module_ &m);
 

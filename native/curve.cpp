@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "curve.hpp"
+
+#include "glsl.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <tuple>
+
+namespace sfumato {
+namespace {
+
+// Integrals of a polygon f(z), and of its products with z and itself, from its first vertex.
+class Polygon {
+public:
+    explicit Polygon(std::vector<CurveVertex> given) : vertices(std::move(given)), sums(vertices.size()) {
+        for (std::size_t i = 1; i < vertices.size(); ++i) {
+            const auto [z0, a] = vertices[i - 1];
+            const auto [z1, b] = vertices[i];
+            const double h = z1 - z0;
+            sums[i] = {sums[i - 1].f + 0.5 * h * (a + b),
+                       sums[i - 1].fz + h * (a * (2.0 * z0 + z1) + b * (z0 + 2.0 * z1)) / 6.0,
+                       sums[i - 1].ff + h * (a * a + a * b + b * b) / 3.0};
+        }
+    }
+
+    // The squared distance between the polygon and its chord from vertex i to vertex k, integrated.
+    [[nodiscard]] double chord_error(std::size_t i, std::size_t k) const {
+        const auto [z0, a] = vertices[i];
+        const auto [z1, b] = vertices[k];
+        const double h = z1 - z0;
+        if (!(h > 0.0)) {
+            return 0.0; // a step differs from another nowhere but at its depth
+        }
+        const double slope = (b - a) / h, offset = a - slope * z0;
+        const double ff = sums[k].ff - sums[i].ff, f = sums[k].f - sums[i].f, fz = sums[k].fz - sums[i].fz;
+        return std::max(ff - 2.0 * (offset * f + slope * fz) + h * (a * a + a * b + b * b) / 3.0, 0.0);
+    }
+
+    // The integrals of f and f z up to any depth.
+    [[nodiscard]] std::pair<double, double> up_to(double z) const {
+        const auto after = std::upper_bound(vertices.begin(), vertices.end(), z,
+                                            [](double depth, const CurveVertex &v) { return depth < v.z; });
+        if (after == vertices.begin()) {
+            return {0.0, 0.0};
+        }
+        const auto i = static_cast<std::size_t>(after - vertices.begin()) - 1;
+        if (after == vertices.end()) {
+            return {sums[i].f, sums[i].fz};
+        }
+        const auto [z0, a] = vertices[i];
+        const double h = z - z0, b = a + (after->t - a) * h / (after->z - z0);
+        return {sums[i].f + 0.5 * h * (a + b), sums[i].fz + h * (a * (2.0 * z0 + z) + b * (z0 + 2.0 * z)) / 6.0};
+    }
+
+    std::vector<CurveVertex> vertices;
+
+private:
+    struct Sums {
+        double f = 0.0, fz = 0.0, ff = 0.0;
+    };
+    std::vector<Sums> sums;
+};
+
+// A first pass, front to back, drops vertices that lie on a line with their neighbours but for a root mean square of
+// 1e-4: most of those of smooth smoke, at a fraction of the price of what follows.
+std::vector<CurveVertex> without_needless(const Polygon &polygon) {
+    constexpr double NEEDLESS = 1e-8;
+    std::vector<CurveVertex> out{polygon.vertices.front()};
+    std::size_t last = 0;
+    for (std::size_t i = 1; i < polygon.vertices.size(); ++i) {
+        if (i + 1 == polygon.vertices.size() || polygon.chord_error(last, i + 1) > NEEDLESS) {
+            out.push_back(polygon.vertices[i]);
+            last = i;
+        }
+    }
+    return out;
+}
+
+// Visvalingam and Whyatt's way to simplify a line (1993), with the mean square error in the place of the area.
+// Returns what is left, ends included.
+std::vector<CurveVertex> simplify(const Polygon &polygon, std::size_t keep) {
+    const std::size_t n = polygon.vertices.size();
+    std::vector<std::size_t> before(n), after(n);
+    std::vector<double> cost(n, std::numeric_limits<double>::infinity());
+    using Entry = std::pair<double, std::size_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> cheapest;
+    const auto price = [&](std::size_t i) {
+        if (i == 0 || i == n - 1) {
+            return;
+        }
+        const double joint = polygon.chord_error(before[i], after[i]);
+        cost[i] = joint - polygon.chord_error(before[i], i) - polygon.chord_error(i, after[i]);
+        cheapest.emplace(cost[i], i);
+    };
+    for (std::size_t i = 0; i < n; ++i) {
+        before[i] = i - 1;
+        after[i] = i + 1;
+        price(i);
+    }
+    std::vector<bool> gone(n, false);
+    for (std::size_t left = n; left > keep;) {
+        const auto [price_then, i] = cheapest.top();
+        cheapest.pop();
+        if (gone[i] || price_then != cost[i]) {
+            continue; // an older price
+        }
+        gone[i] = true;
+        --left;
+        after[before[i]] = after[i];
+        before[after[i]] = before[i];
+        price(before[i]);
+        price(after[i]);
+    }
+    std::vector<CurveVertex> out;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!gone[i]) {
+            out.push_back(polygon.vertices[i]);
+        }
+    }
+    return out;
+}
+
+// Values at the knots, whose ends stay, that bring the lines between them closest to the polygon in the mean square:
+// the normal equations of hat functions, which are tridiagonal. Every value is drawn a little to the one it had, so
+// that knots which nothing determines keep theirs.
+void fit_values(const Polygon &polygon, std::vector<CurveVertex> &knots) {
+    constexpr double PULL = 1e-7;
+    const std::size_t n = knots.size();
+    std::vector<double> diagonal(n, PULL), next(n, 0.0), right(n);
+    for (std::size_t j = 0; j < n; ++j) {
+        right[j] = PULL * knots[j].t;
+    }
+    for (std::size_t j = 0; j + 1 < n; ++j) {
+        const double z0 = knots[j].z, z1 = knots[j + 1].z, h = z1 - z0;
+        if (!(h > 0.0)) {
+            continue;
+        }
+        const auto [f0, fz0] = polygon.up_to(z0);
+        const auto [f1, fz1] = polygon.up_to(z1);
+        const double rising = ((fz1 - fz0) - z0 * (f1 - f0)) / h;
+        right[j] += (f1 - f0) - rising;
+        right[j + 1] += rising;
+        diagonal[j] += h / 3.0;
+        diagonal[j + 1] += h / 3.0;
+        next[j] = h / 6.0;
+    }
+    // Thomas's elimination of knots 1 to n - 2.
+    right[1] -= next[0] * knots[0].t;
+    right[n - 2] -= next[n - 2] * knots[n - 1].t;
+    for (std::size_t j = 2; j + 1 < n; ++j) {
+        const double w = next[j - 1] / diagonal[j - 1];
+        diagonal[j] -= w * next[j - 1];
+        right[j] -= w * right[j - 1];
+    }
+    for (std::size_t j = n - 2; j > 0; --j) {
+        const double behind = j + 2 < n ? next[j] * knots[j + 1].t : 0.0;
+        knots[j].t = (right[j] - behind) / diagonal[j];
+    }
+}
+
+std::uint8_t level(double share) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(share, 0.0, 1.0) * 255.0));
+}
+
+} // namespace
+
+std::vector<CurveVertex> exact_curve(const Absorbers &absorbers) {
+    struct Event {
+        double z, step, slope;
+    };
+    std::vector<Event> events;
+    const double width = absorbers.width;
+    for (std::size_t i = 0; i < absorbers.depth.size(); ++i) {
+        const double z = absorbers.depth[i], tau = absorbers.tau[i];
+        if (!(tau > 0.0)) {
+            continue;
+        }
+        if (width > 0.0) {
+            events.push_back({z - 0.5 * width, 0.0, tau / width});
+            events.push_back({z + 0.5 * width, 0.0, -tau / width});
+        } else {
+            events.push_back({z, tau, 0.0});
+        }
+    }
+    std::sort(events.begin(), events.end(), [](const Event &a, const Event &b) {
+        return std::tie(a.z, a.step, a.slope) < std::tie(b.z, b.step, b.slope);
+    });
+    std::vector<CurveVertex> out;
+    double z = 0.0, tau = 0.0, slope = 0.0;
+    for (const Event &event : events) {
+        if (!out.empty() && event.z > z) {
+            const double gain = std::max(slope, 0.0) * (event.z - z);
+            const double pieces = std::clamp(std::ceil(gain / 0.25), 1.0, 64.0);
+            for (double piece = 1.0; piece <= pieces; ++piece) {
+                const double share = piece / pieces;
+                out.push_back({z + share * (event.z - z), std::exp(-(tau + share * gain))});
+            }
+            tau += gain;
+        } else if (out.empty()) {
+            out.push_back({event.z, 1.0});
+        }
+        z = event.z;
+        slope += event.slope;
+        if (event.step > 0.0) {
+            tau += event.step;
+            out.push_back({z, std::exp(-tau)});
+        }
+    }
+    return out;
+}
+
+void fit_curve(std::span<const CurveVertex> vertices, std::span<std::uint8_t> texel) {
+    std::fill(texel.begin(), texel.end(), std::uint8_t{0});
+    if (vertices.empty()) {
+        write_head({}, 0.0F, texel);
+        return;
+    }
+    const double last = std::max(vertices.back().t, 1e-38);
+    const TexelHead head = write_head({static_cast<float>(vertices.front().z), static_cast<float>(vertices.back().z)},
+                                      static_cast<float>(-std::log(last)), texel);
+    const double low = head.range.low, width = std::max(double{head.range.high} - low, 1e-7);
+    const double end = std::exp(-double{head.total}), fall = std::max(1.0 - end, 1e-12);
+    std::vector<CurveVertex> relative{{0.0, 1.0}};
+    for (const CurveVertex &v : vertices) {
+        relative.push_back({std::clamp((v.z - low) / width, 0.0, 1.0), v.t});
+    }
+    relative.push_back({1.0, vertices.back().t});
+    const Polygon polygon(std::move(relative));
+    std::vector<CurveVertex> knots = simplify(Polygon(without_needless(polygon)), CURVE_KNOTS + 2);
+    for (CurveVertex &knot : knots) {
+        knot.z = level(knot.z) / 255.0;
+    }
+    if (knots.size() > 2) {
+        fit_values(polygon, knots);
+    }
+    // Few vertices leave knots over: they repeat the last. Rounding cannot undo the order, but the fit can, slightly.
+    std::array<std::uint8_t, CURVE_KNOTS> depths{}, values{};
+    depths.fill(255);
+    values.fill(255);
+    double least = 1.0;
+    for (std::size_t j = 1; j + 1 < knots.size(); ++j) {
+        double most = end;
+        for (std::size_t k = j; k + 1 < knots.size(); ++k) {
+            most = std::max(most, knots[k].t);
+        }
+        least = std::min(least, knots[j].t);
+        depths[j - 1] = level(knots[j].z);
+        values[j - 1] = level((1.0 - 0.5 * (least + most)) / fall);
+    }
+    std::copy(depths.begin(), depths.end(), texel.begin() + HEAD_BYTES);
+    std::copy(values.begin(), values.end(), texel.begin() + HEAD_BYTES + CURVE_KNOTS);
+}
+
+void curve_transmittance(std::span<const std::uint8_t> texel, std::span<const float> depth, std::span<float> out) {
+    const TexelHead head = read_head(texel);
+    const float total = glsl::transmittance_of(head.total);
+    glsl::DepthRange range;
+    range.low = head.range.low;
+    range.high = head.range.high;
+    std::array<float, CURVE_KNOTS + 2> z{}, lost{}; // z from 0 to 1, the light lost from 0 to 1 - total
+    z.back() = 1.0F;
+    lost.back() = 1.0F - total;
+    for (std::size_t k = 0; k < CURVE_KNOTS; ++k) {
+        z[k + 1] = static_cast<float>(texel[HEAD_BYTES + k]) / 255.0F;
+        lost[k + 1] = (1.0F - total) * static_cast<float>(texel[HEAD_BYTES + CURVE_KNOTS + k]) / 255.0F;
+    }
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        const float d = glsl::relative_depth(range, depth[i]);
+        float inside = 1.0F;
+        for (std::size_t k = 0; k + 1 < z.size(); ++k) {
+            inside -= glsl::line_drop(d, z[k], z[k + 1], lost[k + 1] - lost[k]);
+        }
+        out[i] = glsl::curve_transmittance(depth[i], range, inside, total);
+    }
+}
+
+} // namespace sfumato
