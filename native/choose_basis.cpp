@@ -13,10 +13,14 @@ namespace {
 
 constexpr float Q = 3.0F; // standard deviations of RangeKind::BOTH
 
-std::array<float, 65> receivers() {
+// Depths over the ray's own range, so that smoke which moves as a whole is judged as before; at least a sixteenth of
+// the map, lest the 16 bits of a range decide.
+std::array<float, 65> receivers(const Absorbers &ray) {
+    const Range range = depth_range(ray, RangeKind::MINMAX, Q);
+    const float width = std::max(range.high - range.low, 1.0F / 16.0F), middle = 0.5F * (range.low + range.high);
     std::array<float, 65> depths{};
     for (std::size_t k = 0; k < depths.size(); ++k) {
-        depths[k] = (static_cast<float>(k) + 0.37F) / 65.0F;
+        depths[k] = middle + width * ((static_cast<float>(k) + 0.37F) / 65.0F - 0.5F);
     }
     return depths;
 }
@@ -44,7 +48,7 @@ float on_curve(std::span<const CurveVertex> curve, double z) {
 }
 
 double squared_error(const Choice &choice, const Absorbers &ray) {
-    const auto depths = receivers();
+    const auto depths = receivers(ray);
     std::array<float, 65> found{};
     std::vector<std::uint8_t> texel(choice.bytes());
     store(choice, ray, texel);
@@ -107,12 +111,12 @@ Choice choose_basis(std::span<const Absorbers> rays, std::size_t bytes, bool add
     if (judges.empty()) {
         judges = teachers;
     }
-    std::vector<Choice> candidates;
+    std::vector<Choice> candidates; // the simplest first
     if (!additive && bytes >= CURVE_BYTES) {
         candidates.emplace_back().curve = true;
     }
     for (const BasisName name : {COSINE, LEARNED, FOURIER, PIECEWISE}) {
-        for (const RangeKind range : {RangeKind::WHOLE, RangeKind::MINMAX, RangeKind::BOTH}) {
+        for (const RangeKind range : {RangeKind::MINMAX, RangeKind::BOTH}) {
             Choice &choice = candidates.emplace_back();
             choice.range = range;
             choice.series = {name, coefficients_in(name, bytes), {}};
@@ -129,16 +133,21 @@ Choice choose_basis(std::span<const Absorbers> rays, std::size_t bytes, bool add
         choice.error =
             static_cast<float>(std::sqrt(sum / static_cast<double>(std::max<std::size_t>(judges.size(), 1))));
     }
-    // The first of equals: a curve needs no tables, and a cosine fewer than a learned basis.
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Choice &a, const Choice &b) { return a.error < b.error; });
-    Choice best = candidates.front();
+    // The simplest of those that are within a tenth of the best: a choice that hangs by less would change from frame to
+    // frame, and the light with it.
+    const auto worse = [](const Choice &a, const Choice &b) { return a.error < b.error; };
+    const float least = std::min_element(candidates.begin(), candidates.end(), worse)->error;
+    const auto simplest =
+        std::find_if(candidates.begin(), candidates.end(), [&](const Choice &c) { return c.error <= 1.1F * least; });
+    Choice best = *simplest;
+    candidates.erase(simplest);
+    const Choice &next = *std::min_element(candidates.begin(), candidates.end(), worse);
     if (!best.curve && best.series.name == LEARNED) { // now all rays may teach
         best.series = learn_basis(rays, ranges_of(rays, best.range), best.series.count);
     }
     best.reason = best.name() + ": RMS error of T " + thousandths(best.error) + "e-3 on " +
-                  std::to_string(judges.size()) + " of the scene's rays at " + std::to_string(bytes) + " bytes; next " +
-                  candidates[1].name() + " at " + thousandths(candidates[1].error) + "e-3";
+                  std::to_string(judges.size()) + " of the scene's rays at " + std::to_string(bytes) +
+                  " bytes, against " + thousandths(next.error) + "e-3 of " + next.name();
     return best;
 }
 

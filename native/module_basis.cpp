@@ -438,7 +438,7 @@ the other half. Equal samples, equal choices.
 >>> choose_basis(z, np.full(z.shape, 0.5), additive=True).name
 'cosine-range'
 >>> choose_basis(z, np.full(z.shape, 0.5)).reason  # doctest: +ELLIPSIS
-"curve: RMS error of T ...e-3 on 4 of the scene's rays at 20 bytes; next cosine-range at ...e-3"
+"curve: RMS error of T ...e-3 on 4 of the scene's rays at 20 bytes, against ...e-3 of cosine-range"
 )");
 }
 

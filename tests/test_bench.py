@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from bench import Row, seconds_at_error
+from bench import seconds_at_error
+from bench_rows import Row
 
 
 def noisy_rows(samples: list[int]) -> list[Row]:
