@@ -15,7 +15,7 @@ struct CurveVertex {
 };
 
 // The exact transmittance of a ray as straight lines, from 1 before its first absorber to the total behind its last.
-// Flat absorbers are steps; slabs may overlap. Exponentials are lines of at most a quarter of optical depth.
+// Flat absorbers are steps; slabs may overlap. Exponentials are lines of at most an eighth of optical depth.
 std::vector<CurveVertex> exact_curve(const Absorbers &absorbers);
 
 // The curve with the least mean square error over depth that was found: vertices are taken away one by one, always the

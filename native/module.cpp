@@ -179,6 +179,7 @@ PYBIND11_MODULE(sfumato, m) {
     m.attr("instruction_set") = kernels().name;
     bind_basis(m);
     bind_opacity(m);
+    bind_ray_storage(m);
 
     m.def(
         "read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",

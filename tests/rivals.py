@@ -71,7 +71,8 @@ def avsm(depth: np.ndarray, tau: np.ndarray, receivers: np.ndarray, nodes: int =
         t = np.where(before, t, np.where(here, previous, np.roll(t, 1, 1)) * new_t)
         z = np.where(before, z, np.where(here, new_z, np.roll(z, 1, 1)))
         full = np.isfinite(z[:, -1])
-        area = (z[:, 2:] - z[:, 1:-1]) * (t[:, :-2] - t[:, 1:-1])
+        with np.errstate(invalid="ignore"):  # between nodes that are not there yet
+            area = (z[:, 2:] - z[:, 1:-1]) * (t[:, :-2] - t[:, 1:-1])
         gone = 1 + np.argmin(np.where(np.isfinite(area), area, np.inf), 1)
         keep = np.where(full[:, None], order + (order >= gone[:, None]), order).clip(max=nodes)
         z, t = np.take_along_axis(z, keep, 1), np.take_along_axis(t, keep, 1)
