@@ -35,7 +35,7 @@ def series(basis: str, coefficients: int, kind: str) -> Method:
         absorbers = (rays.depth, rays.optical_depth)
         span = sfumato.depth_range(*absorbers, kind, width=rays.width)
         c = sfumato.project(*absorbers, coefficients, rays.width, basis, span)
-        return sfumato.transmittance(rivals.half(c), rays.receivers, basis, span)
+        return np.asarray(sfumato.transmittance(rivals.half(c), rays.receivers, basis, span))
 
     return run
 
@@ -53,7 +53,7 @@ def eight_bits(basis: str, kind: str) -> Method:
             functions = sfumato.learn_basis(some.depth, some.optical_depth, 15, span[::4], rays.width)
         c = sfumato.project(*absorbers, 15, rays.width, functions, span)
         c, span = sfumato.unpack(sfumato.pack(c, functions, span), functions)
-        return sfumato.transmittance(c, rays.receivers, functions, span, "monotone")
+        return np.asarray(sfumato.transmittance(c, rays.receivers, functions, span, "monotone"))
 
     return run
 
@@ -61,7 +61,8 @@ def eight_bits(basis: str, kind: str) -> Method:
 def automatic(additive: bool) -> Method:
     def run(rays: Rays) -> np.ndarray:
         choice = chosen(rays, additive)
-        return choice.transmittance(choice.store(rays.depth, rays.optical_depth, rays.width), rays.receivers)
+        texels = choice.store(rays.depth, rays.optical_depth, rays.width)
+        return np.asarray(choice.transmittance(texels, rays.receivers))
 
     return run
 

@@ -26,7 +26,8 @@ class Rays:
     width: float = 0.0
 
     def every(self, stride: int) -> Rays:
-        return Rays(*(a[::stride] for a in (self.depth, self.optical_depth, self.receivers, self.exact)), self.width)
+        some = slice(None, None, stride)
+        return Rays(self.depth[some], self.optical_depth[some], self.receivers[some], self.exact[some], self.width)
 
 
 def flat(depth: np.ndarray, alpha: np.ndarray, receivers: np.ndarray) -> Rays:
@@ -105,7 +106,7 @@ def plume(direction: tuple[float, float, float], side: int = 24, slabs: int = 12
     def world(xy: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Points (rays, depths, 3) from positions on the map (rays, 2) and depths (rays, depths)."""
         at = np.concatenate([np.broadcast_to(xy[:, None], (*z.shape, 2)), z[..., None]], -1)
-        return (low + at * (high - low)) @ axes
+        return np.asarray((low + at * (high - low)) @ axes)
 
     texel = (np.arange(side) + 0.5) / side
     xy = np.stack(np.meshgrid(texel, texel), -1).reshape(-1, 2)

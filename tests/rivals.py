@@ -39,7 +39,7 @@ def moments(count: int) -> Callable[[np.ndarray, np.ndarray, np.ndarray], np.nda
         right = np.broadcast_to(b[:, None, :size], (*z0.shape, size))
         w = np.linalg.solve(vandermonde, right[..., None])[..., 0]
         before = (w[..., 1:] * (support[..., 1:] < z0[..., None])).sum(-1) + 0.5 * w[..., 0]
-        return np.exp(-total[:, None] * np.clip(before, 0.0, 1.0))
+        return np.asarray(np.exp(-total[:, None] * np.clip(before, 0.0, 1.0)))
 
     return transmittance
 
@@ -55,7 +55,7 @@ def haar(depth: np.ndarray, tau: np.ndarray, receivers: np.ndarray) -> np.ndarra
     x = np.clip(scale * cells * receivers - 0.5, 0.0, cells - 1.0)
     cell = np.minimum(x.astype(int), cells - 2)
     low, high = (np.take_along_axis(means, cell + i, 1) for i in (0, 1))
-    return np.exp(-np.clip(low + (x - cell) * (high - low), 0.0, tau.sum(1)[:, None]))
+    return np.asarray(np.exp(-np.clip(low + (x - cell) * (high - low), 0.0, tau.sum(1)[:, None])))
 
 
 def avsm(depth: np.ndarray, tau: np.ndarray, receivers: np.ndarray, nodes: int = 8) -> np.ndarray:
