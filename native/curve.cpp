@@ -64,9 +64,11 @@ void curve_transmittance(std::span<const std::uint8_t> texel, std::span<const fl
     std::array<float, CURVE_KNOTS + 2> z{}, lost{}; // z from 0 to 1, the light lost from 0 to 1 - total
     z.back() = 1.0F;
     lost.back() = 1.0F - total;
+    float share = 0.0F;
     for (std::size_t k = 0; k < CURVE_KNOTS; ++k) {
-        z[k + 1] = static_cast<float>(texel[HEAD_BYTES + k]) / 255.0F;
-        lost[k + 1] = (1.0F - total) * static_cast<float>(texel[HEAD_BYTES + CURVE_KNOTS + k]) / 255.0F;
+        z[k + 1] = glsl::next_knot(z[k], static_cast<float>(texel[HEAD_BYTES + k]) / 255.0F);
+        share = glsl::next_knot(share, static_cast<float>(texel[HEAD_BYTES + CURVE_KNOTS + k]) / 255.0F);
+        lost[k + 1] = (1.0F - total) * share;
     }
     for (std::size_t i = 0; i < depth.size(); ++i) {
         const float d = glsl::relative_depth(range, depth[i]);

@@ -3,6 +3,7 @@
 #include "curve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -170,8 +171,14 @@ void fit_values(const Polygon &polygon, std::vector<CurveVertex> &knots) {
     }
 }
 
-std::uint8_t level(double share) {
+// The next of a row of numbers that rise to 1, in 255 steps of what is left to rise: see shaders/curve.glsl.
+std::uint8_t level(double last, double next) {
+    const double share = (next - last) / std::max(1.0 - last, 1e-12);
     return static_cast<std::uint8_t>(std::lround(std::clamp(share, 0.0, 1.0) * 255.0));
+}
+
+double from_level(double last, std::uint8_t level) {
+    return last + (1.0 - last) * level / 255.0;
 }
 
 } // namespace
@@ -203,25 +210,26 @@ void fit_curve(std::span<const CurveVertex> vertices, std::span<std::uint8_t> te
     for (const std::size_t i : chosen) {
         knots.push_back(thinned.vertices[i]);
     }
-    for (CurveVertex &knot : knots) {
-        knot.z = level(knot.z) / 255.0;
+    std::array<std::uint8_t, CURVE_KNOTS> depths{}, values{};
+    depths.fill(255); // few vertices leave knots over: they repeat the last
+    values.fill(255);
+    for (std::size_t j = 1; j + 1 < knots.size(); ++j) {
+        depths[j - 1] = level(knots[j - 1].z, knots[j].z);
+        knots[j].z = from_level(knots[j - 1].z, depths[j - 1]);
     }
     if (knots.size() > 2) {
         fit_values(polygon, knots);
     }
-    // Few vertices leave knots over: they repeat the last. Rounding cannot undo the order, but the fit can, slightly.
-    std::array<std::uint8_t, CURVE_KNOTS> depths{}, values{};
-    depths.fill(255);
-    values.fill(255);
-    double least = 1.0;
+    // The fit can turn the order of values, slightly.
+    double least = 1.0, lost = 0.0;
     for (std::size_t j = 1; j + 1 < knots.size(); ++j) {
         double most = end;
         for (std::size_t k = j; k + 1 < knots.size(); ++k) {
             most = std::max(most, knots[k].t);
         }
         least = std::min(least, knots[j].t);
-        depths[j - 1] = level(knots[j].z);
-        values[j - 1] = level((1.0 - 0.5 * (least + most)) / fall);
+        values[j - 1] = level(lost, (1.0 - 0.5 * (least + most)) / fall);
+        lost = from_level(lost, values[j - 1]);
     }
     std::copy(depths.begin(), depths.end(), texel.begin() + HEAD_BYTES);
     std::copy(values.begin(), values.end(), texel.begin() + HEAD_BYTES + CURVE_KNOTS);

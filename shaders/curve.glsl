@@ -6,6 +6,14 @@
 // before the first knot to exactly the total behind the last. It is not linear in the absorbers, unlike a basis: make
 // it when all of them are known, and filter T itself.
 
+// The depths of the knots rise from 0 to 1, and so does the share of the ray's absorption that is done. Each is stored as
+// the part of what the last one left to rise, in [0, 1]: so order is certain, and rounding is finest where much has been
+// passed already, behind a gap or a dense front.
+float next_knot(float last, float stored)
+{
+  return last + (1.0f - last) * stored;
+}
+
 // What the line from knot (z0, T0) to (z1, T1) takes from the light down to depth d, where drop = T0 - T1. Knots at the
 // same depth are a step.
 float line_drop(float d, float z0, float z1, float drop)

@@ -119,6 +119,23 @@ TEST(Curve, MovesWithTheSmoke) {
     EXPECT_NE(here[0] + 256 * here[1], there[0] + 256 * there[1]);
 }
 
+// Sums of half floats stall here (the reference text: T stops at .6).
+TEST(Curve, HoldsTwentyThousandFaintLayers) {
+    Profile ray;
+    for (int i = 0; i < 20'000; ++i) {
+        ray.depth.push_back((float(i) + 0.5F) / 20'000.0F);
+        ray.tau.push_back(-std::log1p(-2e-4F));
+    }
+    double sum = 0.0;
+    for (int i = 0; i <= 50; ++i) {
+        const float d = float(i) / 50.0F;
+        const double error = double{light(ray, {d})[0]} - std::pow(1.0 - 2e-4, 20'000.0 * double{d});
+        EXPECT_NEAR(error, 0.0, 0.01) << d;
+        sum += error * error;
+    }
+    EXPECT_LT(std::sqrt(sum / 51.0), 0.004);
+}
+
 TEST(Curve, OfNothingIsLight) {
     for (const Profile &clear : {Profile{{}, {}, 0.0F}, Profile{{0.5F}, {0.0F}, 0.0F}}) {
         for (const float d : {0.0F, 0.5F, 1.0F}) {
