@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -55,6 +56,7 @@ def against_cycles() -> tuple[list[Row], list[str]]:
 
 def light_maps() -> tuple[Sequence[Row], list[str]]:
     """Ways to store a light ray, and rivals, on seeded profiles and on the plume's rays."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
     from bench_light_maps import light_rays  # needs the module, which Blender's side of the benchmark does not
 
     return light_rays()
