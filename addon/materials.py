@@ -10,13 +10,9 @@ from numpy.typing import NDArray
 
 from . import compat
 
-COLOUR_SOCKETS = {
-    "BSDF_DIFFUSE": "Color",
-    "BSDF_PRINCIPLED": "Base Color",
-    "BSDF_GLOSSY": "Color",
-    "BSDF_TOON": "Color",
-    "SUBSURFACE_SCATTERING": "Color",
-}
+COLOUR_SOCKETS = {"BSDF_DIFFUSE": "Color", "BSDF_PRINCIPLED": "Base Color"}
+# What a Principled BSDF may be besides diffuse; two of these are one, by the names of before and after 4.0.
+BEYOND_DIFFUSE = ("Metallic", "Transmission", "Transmission Weight")
 PLAIN_GREY = (0.8, 0.8, 0.8)
 
 
@@ -63,6 +59,9 @@ def surface_colour(material: Any, owner: str, notices: list[str]) -> NDArray[np.
             f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour"
         )
         return np.array(material.diffuse_color[:3])
+    for other in BEYOND_DIFFUSE:
+        if other in shader.inputs and value_of(shader, other, owner, []) > 0.0:
+            notices.append(f"{owner}: '{other}' of {material.name} is not shown yet; it is drawn as diffuse")
     colour: NDArray[np.float64] = value_of(shader, name, owner, notices)
     return colour
 

@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 
 from . import compat, core, materials, smoke
 
+# Above this the sun's disk blurs the shadow of smoke by more than a twentieth of its distance; below, by little more than
+# the smoke's own cells do.
+WIDE_SUN = np.radians(3.0)
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
@@ -98,6 +101,10 @@ def set_sun(out: Export, suns: list[tuple[float, str, tuple[Any, ...]]]) -> None
         out.notices.append(f"{name}: only the strongest sun is shown yet, {suns[0][1]}")
     try:
         direction, irradiance, angle = suns[0][2]
+        if angle > WIDE_SUN:
+            out.notices.append(
+                f"{suns[0][1]}: its angle of {np.degrees(angle):.1f}° softens the shadows of solids, not yet of smoke"
+            )
         out.scene.set_sun(direction, irradiance, min(float(angle), 3.1415))
     except ValueError as error:
         out.notices.append(f"{suns[0][1]}: {error}")

@@ -38,7 +38,7 @@ def medium_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: 
     if thing.type != "VOLUME" and domain_settings(thing) is None:
         return None
     if abs(float(np.linalg.det(matrix[:3, :3]))) < 1e-12:
-        raise ValueError(f"its scale {tuple(np.linalg.norm(matrix[:3, :3], axis=0))} leaves the smoke no room")
+        raise ValueError(f"its scale {np.linalg.norm(matrix[:3, :3], axis=0).tolist()} leaves the smoke no room")
     if thing.type == "VOLUME":
         density, grid_to_object = volume_grid(thing.data)
     else:

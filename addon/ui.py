@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from . import core, log, props
+from . import core, log, ops, props
 
 ENGINE = "SFUMATO"
 # Blender's own panels that make sense here are those of its plainest engine, and for lights, worlds and materials
@@ -39,6 +39,7 @@ class SfumatoViewportPanel(bpy.types.Panel):
         settings = props.of(context.scene)
         layout.prop(settings, "viewport_enabled")
         layout.prop(settings, "quality")
+        layout.operator(ops.SfumatoHideOwnSmoke.bl_idname)
         draw_notices(layout, context.region.width)
 
 
@@ -75,7 +76,7 @@ class SfumatoPreferences(bpy.types.AddonPreferences):
             self.layout.label(text=f"Ready, using {core.module().instruction_set} instructions", icon="CHECKMARK")
 
 
-CLASSES = (SfumatoViewportPanel, SfumatoRenderPanel, SfumatoPreferences)
+CLASSES = (ops.SfumatoHideOwnSmoke, SfumatoViewportPanel, SfumatoRenderPanel, SfumatoPreferences)
 
 
 def borrowed_panels() -> list[Any]:

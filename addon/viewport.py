@@ -27,7 +27,7 @@ from . import core, log, props, scene
 
 SHADING_TYPES = ("SOLID", "MATERIAL")  # where the overlay draws
 
-# The share of the light on a surface that the sun is taken to give, in views that are not lit by the sun alone.
+# The share of its light that a surface is taken to have from the sun, in views that are not lit by the sun alone.
 SHADOW_STRENGTH = 0.8
 
 # The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
@@ -155,36 +155,45 @@ class _Smoke:
         uniforms[15] = (nx, ny, nz, 1.0 / BRICK)
         uniforms[16, 2] = (light_map.shape[2] - 1) // 2
         self.uniforms = uniforms
-        self.colours = channels - 1
+        self.colours = 1 if frame.medium is None or np.ptp(frame.medium.extinction) == 0.0 else 3
+        if channels == 3:  # there are no textures of three floats; two leave the third channel zero
+            volume = np.concatenate((volume, np.zeros((nz, ny, nx, 1), np.float32)), axis=-1)
         self.lit_volume = _texture((nx, ny, nz), "RG" if channels == 2 else "RGBA", volume)
         self.clearance = _texture(clearance.shape[::-1], "R", clearance)
         layers = light_map_layers(light_map)
         self.light_map = _texture(layers.shape[2:0:-1], "RGBA", layers, layers=layers.shape[0])
 
-    def uniform_buffer(self, corners: np.ndarray, width: int, height: int) -> Any:
+    def uniform_buffer(self, corners: np.ndarray, look: Look) -> Any:
         import gpu
 
         uniforms = self.uniforms.copy()
         uniforms[:6, :3] = corners
-        uniforms[16, :2] = width, height
+        uniforms[16, [0, 1, 3]] = (*look.size, look.solids_shade)
         return gpu.types.GPUUniformBuf(gpu.types.Buffer("FLOAT", uniforms.size, uniforms.ravel()))
 
 
 # Pictures -----------------------------------------------------------------------------------------------------------
 
 
-@dataclass
-class _Picture:
-    """What the smoke pass made for one view: radiance, and in an overlay the transmittance of what lies behind."""
+@dataclass(frozen=True)
+class Look:
+    """How a frame is looked at. A picture is good until this changes."""
 
-    key: tuple[Any, ...]
+    matrix: tuple[float, ...]  # world -> NDC, row by row
+    size: tuple[int, int]  # pixels
+    overlay: bool = False  # over Blender's picture, or by ourselves
+    solids_shade: bool = False  # whether that picture shows the shadows of solids; else an overlay adds those too
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What the smoke pass made: radiance, and in an overlay the transmittance for what lies behind."""
+
     frame: Any
+    look: Look
     radiance: Any
     transmittance: Any | None
     buffer: Any
-
-    def shows(self, key: tuple[Any, ...], frame: Any) -> bool:
-        return self.key == key and self.frame is frame
 
 
 @contextlib.contextmanager
@@ -211,7 +220,7 @@ class Painter:
         self._shaders: dict[Any, Any] = {}
         self._failures: dict[Any, str] = {}
         self._smoke: dict[bool, _Smoke] = {}  # the overlay's, and the Rendered view's: their frames differ
-        self._pictures: OrderedDict[Any, _Picture] = OrderedDict()
+        self._pictures: OrderedDict[Any, Picture] = OrderedDict()
         self._triangle: Any = None
 
     def _shader(self, key: Any, make: Callable[[], Any]) -> Any:
@@ -232,35 +241,31 @@ class Painter:
             self._triangle = batch_for_shader(shader, "TRIS", {"corner": [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)]})
         self._triangle.draw(shader)
 
-    def picture(self, view: Any, frame: Any, matrix: np.ndarray, width: int, height: int, overlay: bool) -> _Picture:
-        """The smoke seen through `matrix` (world -> NDC), from the cache if `view`, any hashable, shows it already."""
-        key = (matrix.tobytes(), width, height, overlay)
-        kept = self._pictures.get(view)
-        if kept is None or not kept.shows(key, frame):
-            self._pictures.pop(view, None)
-            kept = self._make_picture(key, frame, matrix, width, height, overlay)
+    def picture(self, view: Any, frame: Any, look: Look) -> Picture:
+        """The smoke of `frame`. `view` is any name: the picture is kept under it until something else is asked of it."""
+        kept = self._pictures.pop(view, None)
+        if kept is None or kept.look != look or kept.frame is not frame:
+            kept = self._make_picture(frame, look)
         self._pictures[view] = kept
-        self._pictures.move_to_end(view)
         while len(self._pictures) > PICTURES_KEPT:
             self._pictures.popitem(last=False)
         return kept
 
-    def _make_picture(
-        self, key: tuple[Any, ...], frame: Any, matrix: np.ndarray, width: int, height: int, overlay: bool
-    ) -> _Picture:
+    def _make_picture(self, frame: Any, look: Look) -> Picture:
         import gpu
 
-        smoke = self._smoke.get(overlay)
+        smoke = self._smoke.get(look.overlay)
         if smoke is None or smoke.frame is not frame:
-            self._smoke.pop(overlay, None)  # free first: two large volumes may not fit
-            smoke = self._smoke[overlay] = _Smoke(frame)
-        shader = self._shader((smoke.colours, overlay), lambda: _smoke_shader(smoke.colours, overlay))
+            self._smoke.pop(look.overlay, None)  # free first: two large volumes may not fit
+            smoke = self._smoke[look.overlay] = _Smoke(frame)
+        colours = smoke.colours
+        shader = self._shader((colours, look.overlay), lambda: _smoke_shader(colours, look.overlay))
 
-        camera = core.module().Camera(matrix)
-        surfaces = _texture((width, height), "RGBA", frame.surfaces(camera, width, height, lit=not overlay))
-        targets = [gpu.types.GPUTexture((width, height), format="RGBA16F") for _ in range(2 if overlay else 1)]
+        camera = core.module().Camera(np.reshape(look.matrix, (4, 4)))
+        surfaces = _texture(look.size, "RGBA", frame.surfaces(camera, *look.size, lit=not look.overlay))
+        targets = [gpu.types.GPUTexture(look.size, format="RGBA16F") for _ in range(2 if look.overlay else 1)]
         buffer = gpu.types.GPUFrameBuffer(color_slots=targets)
-        uniforms = smoke.uniform_buffer(camera.corners, width, height)
+        uniforms = smoke.uniform_buffer(camera.corners, look)
         with _plain_state(), buffer.bind():
             shader.bind()
             shader.uniform_block("view", uniforms)
@@ -269,7 +274,7 @@ class Painter:
             shader.uniform_sampler("clearance", smoke.clearance)
             shader.uniform_sampler("light_map", smoke.light_map)
             self._draw(shader)
-        return _Picture(key, frame, targets[0], targets[1] if overlay else None, buffer)
+        return Picture(frame, look, targets[0], targets[1] if look.overlay else None, buffer)
 
     def composite(self, texture: Any, blend: str, gain: float, least_alpha: float) -> None:
         """Draw a texture of the target's size over what the bound target holds."""
@@ -284,7 +289,7 @@ class Painter:
             shader.uniform_float("least_alpha", least_alpha)
             self._draw(shader)
 
-    def dim_background(self, picture: _Picture, gain: float, background: tuple[float, float, float]) -> None:
+    def dim_background(self, picture: Picture, gain: float, background: tuple[float, float, float]) -> None:
         """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""
         import gpu
 
@@ -309,15 +314,10 @@ def painter() -> Painter:
     return _painter
 
 
-def _view_of(context: bpy.types.Context) -> tuple[int, np.ndarray, int, int]:
-    """A name for the view that is being drawn, its matrix from world to NDC, and its size in pixels."""
-    matrix = np.array(context.region_data.perspective_matrix, dtype=np.float64)
-    return (
-        context.region.as_pointer() ^ hash(context.region_data.as_pointer()),
-        matrix,
-        context.region.width,
-        context.region.height,
-    )
+def _look(context: bpy.types.Context, **kind: bool) -> Look:
+    """The view that is being drawn."""
+    matrix = tuple(value for row in context.region_data.perspective_matrix for value in row)
+    return Look(matrix, (context.region.width, context.region.height), **kind)
 
 
 # The Rendered view --------------------------------------------------------------------------------------------------
@@ -327,8 +327,7 @@ def draw_rendered(
     engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, frame: Any
 ) -> None:
     """Draw `frame`, a sfumato.Frame, as RenderEngine.view_draw should: scene-linear, Blender transforms it afterwards."""
-    view, matrix, width, height = _view_of(context)
-    picture = painter().picture(view, frame, matrix, width, height, overlay=False)
+    picture = painter().picture(context.region.as_pointer(), frame, _look(context))
     transparent = depsgraph.scene_eval.render.film_transparent
     painter().composite(picture.radiance, "ALPHA_PREMULT", 1.0, 0.0 if transparent else 1.0)
 
@@ -375,13 +374,16 @@ class _Overlay:
             frame = self._current_frame(context)
             if frame is None or frame.medium is None:
                 return
-            view, matrix, width, height = _view_of(context)
-            picture = painter().picture(view, frame, matrix, width, height, overlay=True)
+            shading = context.space_data.shading
+            scene_lights = shading.type == "MATERIAL" and shading.use_scene_lights
+            # Blender applies the exposure only in views that are lit by the scene. Our smoke always is.
             exposure = 2.0**context.scene.view_settings.exposure
-            gain = 1.0 if _blender_applies_exposure(context.space_data.shading) else exposure
+            exposed = scene_lights or (shading.type == "MATERIAL" and shading.use_scene_world)
+            look = _look(context, overlay=True, solids_shade=scene_lights)
+            picture = painter().picture(context.region.as_pointer(), frame, look)
             with target.bind():
                 painter().composite(picture.transmittance, "MULTIPLY", 1.0, 1.0)
-                painter().composite(picture.radiance, "ADDITIVE_PREMULT", gain, 0.0)
+                painter().composite(picture.radiance, "ADDITIVE_PREMULT", 1.0 if exposed else exposure, 0.0)
             painter().dim_background(picture, exposure, _background(context))
 
     def _current_frame(self, context: bpy.types.Context) -> Any:
@@ -403,26 +405,23 @@ class _Overlay:
             log.replace("viewport", [f"The overlay cannot be drawn: {error or type(error).__name__}"])
 
 
-def _blender_applies_exposure(shading: bpy.types.View3DShading) -> bool:
-    """Blender applies the scene's exposure only in views that are lit by the scene; our smoke always is."""
-    return shading.type == "MATERIAL" and (shading.use_scene_lights or shading.use_scene_world)
-
-
 def _background(context: bpy.types.Context) -> tuple[float, float, float]:
     """The viewport's background, linear; of a gradient its upper end."""
     shading = context.space_data.shading
     if shading.background_type == "VIEWPORT":
-        return tuple(shading.background_color)
-    if shading.background_type == "WORLD" and context.scene.world is not None:
-        return tuple(context.scene.world.color)
-    theme = context.preferences.themes[0].view_3d.space.gradients.high_gradient
-    return tuple(theme.from_srgb_to_scene_linear())
+        red, green, blue = shading.background_color
+    elif shading.background_type == "WORLD" and context.scene.world is not None:
+        red, green, blue = context.scene.world.color
+    else:
+        theme = context.preferences.themes[0].view_3d.space.gradients.high_gradient
+        red, green, blue = theme.from_srgb_to_scene_linear()
+    return red, green, blue
 
 
 _overlay: _Overlay | None = None
 
 
-@persistent
+@persistent  # type: ignore[misc]
 def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     if _overlay is not None and any(_matters(update) for update in depsgraph.updates):
         _overlay.dirty = True
@@ -434,13 +433,13 @@ def _matters(update: bpy.types.DepsgraphUpdate) -> bool:
     return changed or not isinstance(update.id, (bpy.types.Object, bpy.types.Scene, bpy.types.Collection))
 
 
-@persistent
+@persistent  # type: ignore[misc]
 def _on_change(*_: Any) -> None:
     if _overlay is not None:
         _overlay.dirty = True
 
 
-@persistent
+@persistent  # type: ignore[misc]
 def _on_load(*_: Any) -> None:
     if _overlay is not None:
         _overlay.forget()

@@ -102,6 +102,7 @@ def smoke() -> bpy.types.Object:
     settings.beta = 3.0
     settings.vorticity = 0.2
     settings.time_scale = 0.85
+    settings.display_thickness = 0.001  # Solid mode's own smoke would show through Sfumato's
     settings.cache_directory = str(CACHE)
     settings.cache_type = "ALL"
     settings.cache_data_format = "OPENVDB"
@@ -121,7 +122,7 @@ def smoke() -> bpy.types.Object:
 
 
 def bake(domain: bpy.types.Object) -> None:
-    """Run the simulation and keep of each frame's grids the one that a render reads, the density."""
+    """Run the simulation and keep of each frame's grids the one that is read, the density."""
     shutil.rmtree(CACHE, ignore_errors=True)
     try:
         bpy.context.view_layer.update()
@@ -135,7 +136,11 @@ def bake(domain: bpy.types.Object) -> None:
     if len(frames) != LAST_FRAME:
         raise RuntimeError(f"the bake wrote {len(frames)} frames, expected {LAST_FRAME}")
     for frame in frames:
-        pyopenvdb.write(str(frame), grids=[pyopenvdb.read(str(frame), "density")])
+        density = pyopenvdb.read(str(frame), "density")
+        # Mantaflow takes a file's only grid for whatever it looks for, and would show the density as fire.
+        flame = pyopenvdb.FloatGrid(0.0)
+        flame.name, flame.transform = "flame", density.transform
+        pyopenvdb.write(str(frame), grids=[density, flame])
     for folder in CACHE.iterdir():
         if not any(folder.iterdir()):
             folder.rmdir()

@@ -175,6 +175,7 @@ FrameView Frame::view(const Camera &camera) const {
     if (!medium_.empty()) {
         MediumView &m = view.medium;
         m.present = true;
+        m.grey = medium_.grey();
         m.lit = medium_.grid();
         m.clearance = medium_.clearances();
         m.world_to_grid = affine(glm::inverse(medium_.grid_to_world));

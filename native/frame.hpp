@@ -34,7 +34,7 @@ public:
                                                            int edge_samples, const Progress &progress) const;
 
     // What a GPU needs of the surfaces, one ray a pixel and no smoke: RGB, and the distance to the first surface.
-    // RGB is the radiance, or, unlit, the visibility of the sun times the cosine of its angle.
+    // RGB is the radiance, or, unlit, the cosine of the sun's angle, in red times the visibility of the sun.
     [[nodiscard]] std::vector<float> surfaces(const Camera &camera, int width, int height, bool lit) const;
 
     // RGB of the share of sunlight that the smoke lets through to each of `points` (x, y, z in turn).

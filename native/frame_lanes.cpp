@@ -158,7 +158,7 @@ struct Smoke {
     Real scattered[3];
 };
 
-template <int Channels>
+template <int Colours, bool Shaded>
 Smoke march(const MediumView &medium, const Ray &ray, Real distance, Mask active) {
     const vec3 origin = transform_point(medium.world_to_grid, ray.origin);
     const vec3 direction = transform_vector(medium.world_to_grid, ray.direction);
@@ -167,7 +167,7 @@ Smoke march(const MediumView &medium, const Ray &ray, Real distance, Mask active
     const Interval inside = clip_to_box({Real(0.0F), distance}, origin, direction, size);
     const Real stretch = max(pick(active, inside.far_t - inside.near_t, 0.0F), 0.0F);
     Smoke smoke;
-    March state[Channels];
+    March state[Colours];
     for (March &m : state) {
         m.optical_depth = 0.0F;
         m.scattered = 0.0F;
@@ -189,14 +189,17 @@ Smoke march(const MediumView &medium, const Ray &ray, Real distance, Mask active
             }
             const Cell cell = locate(medium.lit, p);
             const Real density = pick(marching, sample(medium.lit, cell, 0), 0.0F) * step;
-            for (int c = 0; c < Channels; ++c) {
-                state[c] = march_step(state[c], density * medium.extinction[c], sample(medium.lit, cell, 1 + c));
+            const Real column = sample(medium.lit, cell, 1);
+            const Real occlusion = Shaded ? sample(medium.lit, cell, 2) : Real(0.0F);
+            for (int c = 0; c < Colours; ++c) {
+                const float extinction = medium.extinction[c];
+                state[c] = march_step(state[c], density * extinction, column * extinction, occlusion);
             }
             k += 1.0F;
         }
     }
     for (int c = 0; c < 3; ++c) {
-        const March &m = state[Channels == 1 ? 0 : c];
+        const March &m = state[Colours == 1 ? 0 : c];
         smoke.transmittance[c] = transmittance_of(m.optical_depth);
         smoke.scattered[c] = m.scattered;
     }
@@ -224,7 +227,8 @@ void trace(const FrameView &frame, const Packet &packet, Light &light) {
         for (int i = 0; i < 3; ++i) {
             const Real reflected =
                 frame.lit ? diffuse_reflection(albedos[i], sun.cosine) * frame.sun.irradiance[i] : sun.cosine;
-            rgb[i] = pick(surface.hit, sun.visibility * reflected, rgb[i]);
+            const Real visibility = frame.lit || i == 0 ? sun.visibility : Real(1.0F);
+            rgb[i] = pick(surface.hit, visibility * reflected, rgb[i]);
             arriving[i] = transmittance_of(sun.column * frame.medium.extinction[i]);
         }
     }
@@ -237,9 +241,9 @@ void trace(const FrameView &frame, const Packet &packet, Light &light) {
         Real(1.0F).store_aligned(light.seen);
         return;
     }
-    const bool grey = frame.medium.lit.channels == 2;
-    const Smoke smoke = grey ? march<1>(frame.medium, ray, surface.distance, active)
-                             : march<3>(frame.medium, ray, surface.distance, active);
+    const auto march_kind = frame.medium.lit.channels == 3 ? (frame.medium.grey ? march<1, true> : march<3, true>)
+                                                           : (frame.medium.grey ? march<1, false> : march<3, false>);
+    const Smoke smoke = march_kind(frame.medium, ray, surface.distance, active);
     const Real phase = henyey_greenstein(dot(broadcast(frame.sun.towards), ray.direction), frame.medium.anisotropy);
     Real through = 0.0F, seen = 0.0F;
     for (int i = 0; i < 3; ++i) {

@@ -60,15 +60,15 @@ struct ProjectRow {
     float *coefficients = nullptr; // of this row
 };
 
-// Fills channels 1, 2, ... of one slice z of the lit volume: the share of the sun that reaches each cell centre.
+// Fills one slice z of the lit volume: the column density between each cell centre and the sun, and the share of the
+// sun that solids keep from it.
 struct LightSlice {
     LightMapView map;
     ClearanceView clearance;
     Affine grid_to_map;
-    float *lit = nullptr; // the whole volume
-    int channels = 2;     // density and one share, or density and three
+    float *lit = nullptr;       // the whole volume: density and column density, interleaved
+    float *occlusion = nullptr; // the whole volume
     int nx = 0, ny = 0, nz = 0, z = 0;
-    float extinction[3] = {0.0F, 0.0F, 0.0F};
 };
 
 // The triangles' attributes, indexed by Embree's primitive number.
@@ -92,6 +92,7 @@ struct MediumView {
     ClearanceView clearance;
     Affine world_to_grid;
     float extinction[3] = {0.0F, 0.0F, 0.0F};
+    bool grey = true; // all three alike: one march serves them
     float albedo[3] = {0.0F, 0.0F, 0.0F};
     float anisotropy = 0.0F;
     float step_length = 1.0F;
@@ -104,7 +105,7 @@ struct FrameView {
     MediumView medium;
     LightMapView map; // of the medium; read only where there are a sun and a medium
     glm::vec3 background{0.0F};
-    bool lit = true;   // surfaces: radiance, or visibility times cosine
+    bool lit = true;   // surfaces: radiance, or the cosine of the sun, in red times its visibility
     bool smoke = true; // or the surfaces alone
 };
 

@@ -32,11 +32,11 @@ struct LightMap {
 // The coordinate frame of a sun: columns are two axes across the light and the light's direction.
 glm::dmat3 light_axes(const Sun &sun);
 
-// `texels_per_cell` relates the map's texels to the edges of the medium's cells.
+// `texels_per_cell` relates the map's texels to the shortest edge of the medium's cells, within 256 MiB a map.
 LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const SurfaceView &surfaces, int count,
                          double texels_per_cell, const Kernels &with = kernels());
 
-// Fills the medium's channels of arriving light.
+// Fills the medium's channel of column density, and adds one of occlusion where a solid shades the smoke.
 void light_medium(CroppedMedium &medium, const LightMap &map, const Kernels &with = kernels());
 
 } // namespace sfumato

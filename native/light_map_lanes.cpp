@@ -54,14 +54,24 @@ void project_row(const ProjectRow &row) {
 
 namespace {
 
-// The share of light that solids let through: 1 before the first solid of each texel, 0 behind, filtered bilinearly
+// The share of light that solids keep back: 0 before the first solid of each texel, 1 behind, filtered bilinearly
 // (Reeves, Salesin and Cook 1987). The softening over one texel stands for the sun's disk.
-inline Real solid_visibility(const LightMapView &map, const Texels &texels, Real z) {
-    Real visible = 0.0F;
+inline Real solid_occlusion(const LightMapView &map, const Texels &texels, Real z) {
+    Real occluded[4];
     for (int t = 0; t < 4; ++t) {
-        visible = visible + pick(z < gather(map.solid_depth, texels.at[t]), texels.weight[t], 0.0F);
+        occluded[t] = pick(z < gather(map.solid_depth, texels.at[t]), 0.0F, 1.0F);
     }
-    return visible;
+    return bilinear(texels, occluded);
+}
+
+// Whether interpolation in a brick that holds smoke can reach any of these cells: an empty cell beside smoke counts.
+inline bool within_reach(const ClearanceView &bricks, const vec3 &p) {
+    Mask reached(false);
+    for (int corner = 0; corner < 8; ++corner) {
+        const auto side = [corner](int axis) { return (corner >> axis & 1) != 0 ? 1.0F : -1.0F; };
+        reached = reached | (clearance_at(bricks, {p.x + side(0), p.y + side(1), p.z + side(2)}) < 0.0F);
+    }
+    return xsimd::any(reached);
 }
 
 } // namespace
@@ -71,20 +81,20 @@ void light_slice(const LightSlice &slice) {
     for (int y = 0; y < slice.ny; ++y) {
         for (int x = 0; x < slice.nx; x += LANES) {
             const vec3 p{lane_numbers() + (static_cast<float>(x) + 0.5F), Real(static_cast<float>(y) + 0.5F), z};
-            if (!xsimd::any(clearance_at(slice.clearance, p) < 0.0F)) {
+            if (!within_reach(slice.clearance, p)) {
                 continue;
             }
             const vec3 m = transform_point(slice.grid_to_map, p);
             const Texels texels = locate(slice.map, m.x, m.y);
             const Real column = column_density(slice.map, texels, m.z);
-            const Real visible = solid_visibility(slice.map, texels, m.z);
-            alignas(64) float lanes[LANES];
-            for (int c = 1; c < slice.channels; ++c) {
-                (visible * transmittance_of(column * slice.extinction[c - 1])).store_aligned(lanes);
-                const int row = (slice.z * slice.ny + y) * slice.nx;
-                for (int lane = 0; lane < LANES && x + lane < slice.nx; ++lane) {
-                    slice.lit[(row + x + lane) * slice.channels + c] = lanes[lane];
-                }
+            const Real occlusion = solid_occlusion(slice.map, texels, m.z);
+            alignas(64) float columns[LANES], occlusions[LANES];
+            column.store_aligned(columns);
+            occlusion.store_aligned(occlusions);
+            const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(slice.z) * slice.ny + y) * slice.nx;
+            for (int lane = 0; lane < LANES && x + lane < slice.nx; ++lane) {
+                slice.lit[2 * (row + x + lane) + 1] = columns[lane];
+                slice.occlusion[row + x + lane] = occlusions[lane];
             }
         }
     }

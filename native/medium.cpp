@@ -149,8 +149,6 @@ CroppedMedium crop(const Medium &medium) {
         return out;
     }
 
-    const bool grey = out.extinction.x == out.extinction.y && out.extinction.y == out.extinction.z;
-    out.channels = grey ? 2 : 4;
     out.resolution = bounds.high - bounds.low + 2;
     out.grid_to_world = glm::translate(to_world, glm::dvec3(bounds.low - 1));
     out.cell_size = std::numeric_limits<double>::max();

@@ -12,7 +12,8 @@
 namespace sfumato {
 
 struct CroppedMedium {
-    // Interleaved: the density, then the share of the sun that arrives, once if the extinction is grey, else per RGB.
+    // Interleaved: the density, the column density towards the sun, and where there are three channels the share of the
+    // sun that solids keep back.
     std::vector<float> lit;
     int channels = 2;
     glm::ivec3 resolution{0}; // with one empty cell on every side
@@ -24,6 +25,7 @@ struct CroppedMedium {
     float anisotropy = 0.0F;
     double cell_size = 0.0; // the shortest edge, metres
 
+    [[nodiscard]] bool grey() const { return extinction.x == extinction.y && extinction.y == extinction.z; }
     [[nodiscard]] bool empty() const { return lit.empty(); }
     [[nodiscard]] GridView grid() const;
     [[nodiscard]] ClearanceView clearances() const;

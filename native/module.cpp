@@ -48,12 +48,23 @@ void set_medium(Scene &scene, const Floats &density, const Doubles &grid_to_worl
     if (density.size() == 0) {
         throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
     }
+    constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // the lanes' indices have 32 bits
+    if (density.size() > MOST_CELLS) {
+        throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
+    }
     require_range(density, 0.0F, 1e30F, "density");
     Medium medium;
+    require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
     medium.grid_to_world = glm::mat4(matrix4(grid_to_world, "grid_to_world"));
-    if (!(std::abs(glm::determinant(medium.grid_to_world)) > 0.0F)) {
-        throw py::value_error("grid_to_world flattens the grid: its determinant is " +
-                              std::to_string(glm::determinant(medium.grid_to_world)));
+    for (int column = 0; column < 4; ++column) {
+        if (medium.grid_to_world[column][3] != (column == 3 ? 1.0F : 0.0F)) {
+            throw py::value_error("grid_to_world holds " + text(medium.grid_to_world[column][3]) + " at flat index " +
+                                  text(12 + column) + "; its last row must be 0, 0, 0, 1");
+        }
+    }
+    const double determinant = glm::determinant(glm::dmat4(medium.grid_to_world));
+    if (!(std::abs(determinant) > 0.0)) {
+        throw py::value_error("grid_to_world flattens the grid: its determinant is 0");
     }
     medium.resolution = {density.shape(2), density.shape(1), density.shape(0)};
     medium.density.assign(density.data(), density.data() + density.size());
@@ -69,11 +80,11 @@ void set_medium(Scene &scene, const Floats &density, const Doubles &grid_to_worl
 void set_sun(Scene &scene, const Floats &direction, const Floats &irradiance, float angle) {
     Sun sun;
     sun.direction = vector3(direction, "direction");
-    const float length = glm::length(sun.direction);
-    if (!(length > 0.0F)) {
+    const double length = glm::length(glm::dvec3(sun.direction));
+    if (!(length > 0.0)) {
         throw py::value_error("direction is (0, 0, 0), but must point somewhere");
     }
-    sun.direction /= length;
+    sun.direction = glm::vec3(glm::dvec3(sun.direction) / length);
     sun.irradiance = vector3(irradiance, "irradiance");
     require_range(irradiance, 0.0F, 1e30F, "irradiance");
     require_range(angle, 0.0F, 3.1415F, "angle");
@@ -99,14 +110,15 @@ void require_size(int width, int height) {
 }
 
 py::object render(const Frame &frame, const Camera &camera, int width, int height, int edge_samples,
-                  const std::optional<std::function<bool(double)>> &progress) {
+                  const std::optional<std::function<py::object(double)>> &progress) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
     Progress report;
     if (progress) {
         report = [&progress](double done) {
             const py::gil_scoped_acquire locked;
-            return (*progress)(done);
+            const py::object answer = (*progress)(done);
+            return answer.is_none() || py::bool_(answer); // a function without a return statement stops nothing
         };
     }
     std::optional<std::vector<float>> image;
@@ -254,9 +266,12 @@ Raises ValueError if it cannot be inverted.
 
     py::class_<CroppedMedium>(m, "LitMedium", "The smoke of a frame, cropped, with the light that reaches it.")
         .def_property_readonly("lit_volume", &lit_volume,
-                               "(nz, ny, nx, c): density, then the share of the sun that arrives: once where the "
-                               "extinction is grey (c = 2), else for each of RGB (c = 4). A copy.")
-        .def_property_readonly("grid_to_world", [](const CroppedMedium &s) { return to_numpy(s.grid_to_world); })
+                               "(nz, ny, nx, c): density, column density towards the sun (metres times density), and "
+                               "where solids shade the "
+                               "smoke (c = 3) the share of the sun that they keep back. A copy.")
+        .def_property_readonly(
+            "grid_to_world", [](const CroppedMedium &s) { return to_numpy(s.grid_to_world); },
+            "(4, 4): from cells of lit_volume to metres in world space.")
         .def_property_readonly(
             "clearance",
             [](const CroppedMedium &s) {
@@ -267,8 +282,10 @@ Raises ValueError if it cannot be inverted.
         .def_property_readonly(
             "extinction", [](const CroppedMedium &s) { return to_numpy(s.extinction); },
             "(3,), per metre and unit density.")
-        .def_property_readonly("albedo", [](const CroppedMedium &s) { return to_numpy(s.albedo); })
-        .def_readonly("anisotropy", &CroppedMedium::anisotropy);
+        .def_property_readonly(
+            "albedo", [](const CroppedMedium &s) { return to_numpy(s.albedo); },
+            "(3,): scattering over extinction, 0 where there is neither.")
+        .def_readonly("anisotropy", &CroppedMedium::anisotropy, "g of Henyey and Greenstein (1941).");
 
     py::class_<LightMap>(m, "LightMap", "A Fourier opacity map of column density, seen from the sun.")
         .def_property_readonly(
@@ -300,15 +317,34 @@ resolution and the march along view rays to the cells of the medium.
              R"(The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom.
 
 edge_samples are taken where surfaces or their shadows change, one elsewhere. progress(done) is called with the
-share of the work that is done; when it returns False the result is None.
+share of the work that is done, by the thread that called; when it returns False the result is None.
+
+>>> import numpy as np
+>>> frame, shares = Frame(Scene()), []
+>>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=shares.append).shape
+(3, 4, 4)
+>>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=lambda done: done < 0.25) is None
+True
 )")
         .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("lit") = true,
-             R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: visibility of
-the sun times the cosine of its angle) and the distance to it in metres, the far plane's where there is none.
+             R"((height, width, 4) float32 without the smoke: the radiance of the first surface (unlit: the
+cosine of the sun's angle, in red times the visibility of the sun) and the distance to it in metres, the far plane's
+where there is none.
+
+>>> import numpy as np
+>>> Frame(Scene()).surfaces(Camera(np.diag([1, 1, -0.1, 1])), width=1, height=1)[0, 0].tolist()
+[0.0, 0.0, 0.0, 20.0]
 )")
         .def("transmittance", &transmittance_at, py::arg("points"),
              R"(The share of the sun's light that the smoke lets through to each of points (..., 3): (..., 3), RGB.
 Solids are left out. All ones where the scene has no smoke or no sun.
+
+>>> import numpy as np
+>>> scene = Scene()
+>>> scene.set_medium(np.full((8, 8, 8), 0.25), np.eye(4), scattering=(1, 0, 0), absorption=(0, 1, 2))
+>>> scene.set_sun((0, 0, -1), (4, 4, 4))
+>>> Frame(scene).transmittance([[4, 4, 20], [4, 4, -1]]).astype(float).round(3).tolist()
+[[1.0, 1.0, 1.0], [0.135, 0.135, 0.018]]
 )")
         .def_property_readonly(
             "medium", [](const Frame &frame) { return frame.medium().empty() ? nullptr : &frame.medium(); },

@@ -9,6 +9,7 @@
 #include <initializer_list>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -25,6 +26,15 @@ namespace py = pybind11;
 // Any real array; float32 in C order is used as it is, anything else is converted once.
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// Anything that NumPy makes an array of, in the precision that it came in.
+inline py::array any_array(const py::object &given, const std::string &name) {
+    py::array array = py::array::ensure(given);
+    if (!array || std::string_view("fiub").find(array.dtype().kind()) == std::string_view::npos) {
+        throw py::value_error(name + " is " + std::string(py::repr(given)) + ", but must be an array of real numbers");
+    }
+    return array;
+}
 
 // The shortest text that reads back as the same number.
 template <typename Number>

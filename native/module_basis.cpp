@@ -44,7 +44,7 @@ Series series_of(const BasisArgument &basis, std::optional<std::size_t> count) {
     return series;
 }
 
-py::object project_rays(const py::array &depth, const py::array &optical_depth, std::optional<int> coefficients,
+py::object project_rays(const py::object &depth, const py::object &optical_depth, std::optional<int> coefficients,
                         float width, const BasisArgument &basis, const OptionalFloats &range) {
     const Rays rays(depth, optical_depth, width);
     if (coefficients) {
@@ -60,15 +60,15 @@ py::object project_rays(const py::array &depth, const py::array &optical_depth, 
             project(series, rays.at(ray), ranges[ray], std::span(out).subspan(ray * series.count, series.count));
         }
     }
-    return as_given(depth, to_numpy(std::move(out), rays.shape_with(series.count)));
+    return as_given(rays.given, to_numpy(std::move(out), rays.shape_with(series.count)));
 }
 
-py::object transmittance_of_rays(const py::array &coefficients, const py::array &depth, const BasisArgument &basis,
+py::object transmittance_of_rays(const py::object &coefficients, const py::object &depth, const BasisArgument &basis,
                                  const OptionalFloats &range, const std::string &evaluator) {
-    const Floats c(coefficients), d(depth);
+    const py::array given = any_array(coefficients, "coefficients");
+    const Floats c(given), d(any_array(depth, "depth"));
     auto shape = batch_of(c, "coefficients");
-    require_same_batch(shape, batch_of(d, "depth"),
-                       "coefficients has shape " + shape_of(c) + " and depth " + shape_of(d));
+    require_same_batch(shape, "coefficients, " + shape_of(c), d);
     const Series series = series_of(basis, last_axis(c));
     require_finite(c, "coefficients");
     require_range(d, 0.0F, 1.0F, "depth");
@@ -84,10 +84,10 @@ py::object transmittance_of_rays(const py::array &coefficients, const py::array 
         }
     }
     shape.push_back(static_cast<py::ssize_t>(depths));
-    return as_given(coefficients, to_numpy(std::move(out), shape));
+    return as_given(given, to_numpy(std::move(out), shape));
 }
 
-py::array_t<float> range_of_rays(const py::array &depth, const py::array &optical_depth, const std::string &kind,
+py::array_t<float> range_of_rays(const py::object &depth, const py::object &optical_depth, const std::string &kind,
                                  float q, float width) {
     const Rays rays(depth, optical_depth, width);
     const RangeKind chosen = range_kind(kind);
@@ -100,7 +100,7 @@ py::array_t<float> range_of_rays(const py::array &depth, const py::array &optica
     return to_numpy(std::move(out), rays.shape_with(2));
 }
 
-Series learn(const py::array &depth, const py::array &optical_depth, int coefficients, const OptionalFloats &range,
+Series learn(const py::object &depth, const py::object &optical_depth, int coefficients, const OptionalFloats &range,
              float width, int cells) {
     const Rays rays(depth, optical_depth, width);
     require_range(coefficients, 1, 64, "coefficients");
@@ -110,8 +110,8 @@ Series learn(const py::array &depth, const py::array &optical_depth, int coeffic
     return learn_basis(rays.all(), ranges, static_cast<std::size_t>(coefficients), static_cast<std::size_t>(cells));
 }
 
-py::array_t<std::uint8_t> pack_rays(const Floats &coefficients, const BasisArgument &basis,
-                                    const OptionalFloats &range) {
+py::array_t<std::uint8_t> pack_rays(const py::object &given, const BasisArgument &basis, const OptionalFloats &range) {
+    const Floats coefficients(any_array(given, "coefficients"));
     auto shape = batch_of(coefficients, "coefficients");
     const Series series = series_of(basis, last_axis(coefficients));
     require_finite(coefficients, "coefficients");
@@ -155,8 +155,15 @@ std::vector<py::ssize_t> table_shape(const Series &series, std::size_t more) {
 } // namespace
 
 void bind_basis(py::module_ &m) {
-    py::class_<Series>(m, "LearnedBasis", R"(Functions learned from a sample of rays; see learn_basis.)")
-        .def_property_readonly("coefficients", [](const Series &s) { return s.count; })
+    py::class_<Series>(m, "LearnedBasis", R"(The functions that learn_basis made from a sample of rays.
+
+>>> import numpy as np
+>>> basis = learn_basis(np.array([[0.2, 0.4], [0.5, 0.9]]), np.ones((2, 2)), coefficients=2, cells=10)
+>>> basis.density.shape, basis.integral.shape
+((2, 10), (2, 11))
+)")
+        .def_property_readonly(
+            "coefficients", [](const Series &s) { return s.count; }, "How many functions there are.")
         .def_property_readonly(
             "density", [](const Series &s) { return to_numpy(std::vector<float>(s.tables.f), table_shape(s, 0)); },
             "(coefficients, cells): F_k, constant over each cell.")

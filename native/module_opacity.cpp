@@ -8,13 +8,17 @@ namespace {
 
 using namespace arguments;
 
-py::object phase(const py::array &cos_theta, float anisotropy) {
-    const Floats cosines(cos_theta);
+py::object phase(const py::object &cos_theta, float anisotropy) {
+    const py::array given = any_array(cos_theta, "cos_theta");
+    const Floats cosines(given);
     require_range(cosines, -1.0F, 1.0F, "cos_theta");
     require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
     std::vector<float> out(static_cast<std::size_t>(cosines.size()));
-    henyey_greenstein({cosines.data(), out.size()}, anisotropy, out);
-    return as_given(cos_theta, to_numpy(std::move(out), {cosines.shape(), cosines.shape() + cosines.ndim()}));
+    {
+        const py::gil_scoped_release unlocked;
+        henyey_greenstein({cosines.data(), out.size()}, anisotropy, out);
+    }
+    return as_given(given, to_numpy(std::move(out), {cosines.shape(), cosines.shape() + cosines.ndim()}));
 }
 
 } // namespace
@@ -25,8 +29,8 @@ void bind_opacity(py::module_ &m) {
 directions of travel before and after scattering, anisotropy g in (-1, 1).
 
 >>> import numpy as np
->>> float(henyey_greenstein(np.array([1.0]), 0.0)[0] * 4 * np.pi)
-1.0
+>>> (henyey_greenstein(np.array([-1.0, 1.0]), 0.5) * 4 * np.pi).round(3).tolist()
+[0.222, 6.0]
 )");
 }
 

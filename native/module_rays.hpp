@@ -48,11 +48,12 @@ std::size_t one_of(const std::string &given, const std::array<const char *, N> &
 
 // Checked absorbers of many rays.
 struct Rays {
-    Rays(const py::array &depth, const py::array &optical_depth, float slab_width)
-        : z(depth), tau(optical_depth), width(slab_width), shape(batch_of(z, "depth")) {
+    Rays(const py::object &depth, const py::object &optical_depth, float slab_width)
+        : given(any_array(depth, "depth")), z(given), tau(any_array(optical_depth, "optical_depth")), width(slab_width),
+          shape(batch_of(z, "depth")) {
         if (z.ndim() != tau.ndim() || !std::equal(z.shape(), z.shape() + z.ndim(), tau.shape())) {
-            throw py::value_error("depth has shape " + shape_of(z) + " and optical_depth " + shape_of(tau) +
-                                  ", but they must be equal");
+            throw py::value_error("optical_depth has shape " + shape_of(tau) + ", but must have that of depth, " +
+                                  shape_of(z));
         }
         require_range(z, 0.0F, 1.0F, "depth");
         require_range(tau, 0.0F, 1e30F, "optical_depth");
@@ -76,6 +77,7 @@ struct Rays {
         return out;
     }
 
+    py::array given; // depth, in the precision that it came in
     Floats z, tau;
     float width;
     std::vector<py::ssize_t> shape;
@@ -107,10 +109,10 @@ inline std::vector<Range> ranges_of(const OptionalFloats &range, const std::vect
     return out;
 }
 
-inline void require_same_batch(const std::vector<py::ssize_t> &a, const std::vector<py::ssize_t> &b,
-                               const std::string &names) {
-    if (a != b) {
-        throw py::value_error(names + ", but all axes other than the last must be equal");
+inline void require_same_batch(const std::vector<py::ssize_t> &shape, const std::string &name, const Floats &depth) {
+    if (batch_of(depth, "depth") != shape) {
+        throw py::value_error("depth has shape " + shape_of(depth) +
+                              ", but all axes other than the last must be those of " + name);
     }
 }
 

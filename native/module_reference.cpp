@@ -95,7 +95,7 @@ The density is trilinear between cell centres and zero off the grid.
 >>> import numpy as np
 >>> scene = Scene()
 >>> scene.set_medium(np.full((4, 4, 4), 0.5), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
->>> reference.column(scene, [[2, 2, -9], [2, 2, 1]], [[2, 2, 9], [2, 2, 3]]).tolist()
+>>> reference.column(scene, [[2, 2, -9], [2, 2, 1]], [[2, 2, 9], [2, 2, 3]]).round(12).tolist()
 [2.0, 1.0]
 )");
     m.def("render", &render, py::arg("scene"), py::arg("camera"), py::arg("width"), py::arg("height"),

@@ -10,7 +10,7 @@ namespace {
 
 using namespace arguments;
 
-py::array_t<std::uint8_t> store_rays(const Choice &choice, const py::array &depth, const py::array &optical_depth,
+py::array_t<std::uint8_t> store_rays(const Choice &choice, const py::object &depth, const py::object &optical_depth,
                                      float width) {
     const Rays rays(depth, optical_depth, width);
     const std::size_t bytes = choice.bytes();
@@ -24,10 +24,10 @@ py::array_t<std::uint8_t> store_rays(const Choice &choice, const py::array &dept
     return to_numpy(std::move(out), rays.shape_with(bytes));
 }
 
-py::array_t<float> look_up_rays(const Choice &choice, const Bytes &texels, const Floats &depth) {
+py::array_t<float> look_up_rays(const Choice &choice, const Bytes &texels, const py::object &depths_given) {
     auto shape = batch_of(texels, "texels");
-    require_same_batch(shape, batch_of(depth, "depth"),
-                       "texels has shape " + shape_of(texels) + " and depth " + shape_of(depth));
+    const Floats depth(any_array(depths_given, "depth"));
+    require_same_batch(shape, "texels, " + shape_of(texels), depth);
     const std::size_t bytes = last_axis(texels), depths = last_axis(depth);
     if (bytes != choice.bytes()) {
         throw py::value_error("texels has " + std::to_string(bytes) + " bytes a ray, but " + choice.name() + " has " +
@@ -52,7 +52,7 @@ Choice curve_choice() {
     return choice;
 }
 
-Choice choose(const py::array &depth, const py::array &optical_depth, int bytes, bool additive, float width) {
+Choice choose(const py::object &depth, const py::object &optical_depth, int bytes, bool additive, float width) {
     const Rays rays(depth, optical_depth, width);
     if (rays.count == 0) {
         throw py::value_error("depth has shape " + shape_of(rays.z) + ", but must hold at least one ray");
@@ -78,17 +78,32 @@ filtered: filter what comes back.
 [1.0, 0.37, 0.14]
 )")
         .def(py::init(&curve_choice))
-        .def_property_readonly("name", &Choice::name)
-        .def_property_readonly("additive", [](const Choice &c) { return !c.curve; })
+        .def_property_readonly("name", &Choice::name,
+                               "'curve', or a basis and its range: 'cosine-range', 'learned-both', ...")
+        .def_property_readonly(
+            "additive", [](const Choice &c) { return !c.curve; },
+            "Whether coefficients, before they are stored, add and filter.")
         .def_property_readonly("bytes", &Choice::bytes, "A texel.")
-        .def_property_readonly("coefficients",
-                               [](const Choice &c) { return c.curve ? 2 * CURVE_KNOTS : c.series.count; })
+        .def_property_readonly(
+            "coefficients", [](const Choice &c) { return c.curve ? 2 * CURVE_KNOTS : c.series.count; },
+            "Numbers a texel, besides its range and total.")
         .def_readonly("error", &Choice::error, "Root mean square error of transmittance over the judging rays.")
-        .def_readonly("reason", &Choice::reason)
+        .def_readonly("reason", &Choice::reason, "What was measured, against what; empty where nothing was.")
         .def("store", &store_rays, py::arg("depth"), py::arg("optical_depth"), py::arg("width") = 0.0F,
-             "(..., bytes) uint8 of absorbers as in project.")
+             R"((..., bytes) uint8 of absorbers as in project.
+
+>>> import numpy as np
+>>> RayStorage().store(np.full((4, 3), 0.5), np.ones((4, 3))).shape
+(4, 20)
+)")
         .def("transmittance", &look_up_rays, py::arg("texels"), py::arg("depth"),
-             "(..., d) float32 at depth (..., d) in [0, 1].");
+             R"((..., d) float32 at depth (..., d) in [0, 1].
+
+>>> import numpy as np
+>>> storage = RayStorage()
+>>> storage.transmittance(storage.store(np.array([0.5]), np.array([1e9])), np.array([0.4, 0.6])).round(6).tolist()
+[1.0, 0.0]
+)");
     m.def("choose_basis", &choose, py::arg("depth"), py::arg("optical_depth"), py::arg("bytes") = 20,
           py::arg("additive") = false, py::arg("width") = 0.0F,
           R"(The RayStorage that serves a sample of a scene's rays best in at most `bytes` a texel, and why.

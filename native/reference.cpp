@@ -59,7 +59,7 @@ glm::dvec3 in_scattered(const Scene &scene, const Medium &medium, const Sun &sun
             continue;
         }
         const double steps = std::ceil((to - from) / longest_step);
-        for (double k = 0.0; k < steps; k += 1.0) {
+        for (int k = 0; k < static_cast<int>(steps); ++k) {
             const double start = from + (to - from) * (k / steps);
             const double half = 0.5 * (to - from) / steps;
             const double offset = half / std::numbers::sqrt3; // Gauss and Legendre, two points

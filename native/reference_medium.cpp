@@ -70,10 +70,10 @@ std::vector<double> cell_crossings(const Medium &medium, const glm::dvec3 &from,
     std::vector<double> crossings{0.0, 1.0};
     for (int axis = 0; axis < 3; ++axis) {
         // The samples i = -1 and i = size are zero: the density ends there.
-        const double size = double(medium.resolution[axis]);
-        const double first = std::max(std::ceil(std::min(a[axis], b[axis]) - 0.5), -1.0);
-        const double last = std::min(std::floor(std::max(a[axis], b[axis]) - 0.5), size);
-        for (double i = first; i <= last; i += 1.0) {
+        const auto size = static_cast<double>(medium.resolution[axis]);
+        const double first = std::clamp(std::ceil(std::min(a[axis], b[axis]) - 0.5), -1.0, size + 1.0);
+        const double last = std::clamp(std::floor(std::max(a[axis], b[axis]) - 0.5), -2.0, size);
+        for (int i = static_cast<int>(first); i <= static_cast<int>(last); ++i) {
             if (a[axis] != b[axis]) { // else the segment lies in the plane and crosses nothing
                 crossings.push_back(std::clamp((i + 0.5 - a[axis]) / (b[axis] - a[axis]), 0.0, 1.0));
             }

@@ -52,11 +52,16 @@ inline Real clearance_at(const ClearanceView &bricks, const vec3 &p) {
     return gather(bricks.cells, (k * Index(bricks.ny) + j) * Index(bricks.nx) + i);
 }
 
-// Four texels of a light map and their bilinear weights.
+// Four texels of a light map, and where a point lies between them.
 struct Texels {
     Index at[4];
-    Real weight[4];
+    Real x, y;
 };
+
+// By differences, so that four equal values give just that value.
+inline Real bilinear(const Texels &texels, const Real values[4]) {
+    return lerp(lerp(values[0], values[1], texels.x), lerp(values[2], values[3], texels.x), texels.y);
+}
 
 inline Texels locate(const LightMapView &map, Real x, Real y) {
     const auto split = [](Real coordinate, int size, Real &fraction) {
@@ -65,17 +70,12 @@ inline Texels locate(const LightMapView &map, Real x, Real y) {
         fraction = shifted - whole;
         return truncate(whole);
     };
-    Real fx, fy;
-    const Index i = split(x, map.width, fx), j = split(y, map.height, fy);
     Texels texels;
+    const Index i = split(x, map.width, texels.x), j = split(y, map.height, texels.y);
     texels.at[0] = j * Index(map.width) + i;
     texels.at[1] = texels.at[0] + Index(1);
     texels.at[2] = texels.at[0] + Index(map.width);
     texels.at[3] = texels.at[2] + Index(1);
-    texels.weight[0] = (1.0F - fx) * (1.0F - fy);
-    texels.weight[1] = fx * (1.0F - fy);
-    texels.weight[2] = (1.0F - fx) * fy;
-    texels.weight[3] = fx * fy;
     return texels;
 }
 
@@ -83,11 +83,11 @@ inline Texels locate(const LightMapView &map, Real x, Real y) {
 // total; sideways of it the outermost texels, which are empty, answer.
 inline Real column_density(const LightMapView &map, const Texels &texels, Real z) {
     const auto coefficient = [&](int c) {
-        Real sum = 0.0F;
+        Real values[4];
         for (int t = 0; t < 4; ++t) {
-            sum = sum + texels.weight[t] * gather(map.coefficients + c, texels.at[t] * Index(map.count));
+            values[t] = gather(map.coefficients + c, texels.at[t] * Index(map.count));
         }
-        return sum;
+        return bilinear(texels, values);
     };
     const Real d = clamp(z, 0.0F, 1.0F);
     const Real a0 = coefficient(0);

@@ -11,13 +11,14 @@
 namespace sfumato {
 namespace {
 
-// A homogeneous slab of optical depth tau, cut into equal steps; sunlight(x) arrives at optical depth x from the eye.
-template <typename Sunlight>
-double scattered(double tau, int steps, const Sunlight &sunlight) {
+// A homogeneous slab of optical depth tau, cut into equal steps. The sun's light has crossed tau_sun(x) when it arrives
+// at optical depth x from the eye.
+template <typename TauSun>
+double scattered(double tau, int steps, const TauSun &tau_sun, float occlusion = 0.0F) {
     glsl::March march{0.0F, 0.0F};
     for (int k = 0; k < steps; ++k) {
         const double middle = tau * (k + 0.5) / steps;
-        march = glsl::march_step(march, float(tau / steps), float(sunlight(middle)));
+        march = glsl::march_step(march, float(tau / steps), float(tau_sun(middle)), occlusion);
     }
     EXPECT_NEAR(march.optical_depth, tau, 1e-5 * tau);
     return double{march.scattered};
@@ -28,23 +29,27 @@ TEST(March, InEvenLightIsOneMinusTransmittance) {
     for (const double tau : {1e-4, 0.1, 1.0, 5.0, 20.0}) {
         for (const int steps : {25, 64, 200}) {
             const double expected = 0.7 * (1.0 - std::exp(-tau));
-            EXPECT_NEAR(scattered(tau, steps, [](double) { return 0.7; }), expected, 1e-5 * expected)
+            EXPECT_NEAR(scattered(tau, steps, [](double) { return -std::log(0.7); }), expected, 1e-5 * expected)
+                << tau << " in " << steps;
+            EXPECT_NEAR(scattered(
+                            tau, steps, [](double) { return 0.0; }, 0.3F),
+                        expected, 1e-5 * expected)
                 << tau << " in " << steps;
         }
     }
     // The bounds that medium.glsl gives for a single step, on top of rounding.
-    EXPECT_NEAR(scattered(1.0, 1, [](double) { return 1.0; }), 1.0 - std::exp(-1.0), 1e-7);
-    EXPECT_NEAR(scattered(4.0, 1, [](double) { return 1.0; }), 1.0 - std::exp(-4.0), 5e-4);
+    EXPECT_NEAR(scattered(1.0, 1, [](double) { return 0.0; }), 1.0 - std::exp(-1.0), 1e-7);
+    EXPECT_NEAR(scattered(4.0, 1, [](double) { return 0.0; }), 1.0 - std::exp(-4.0), 5e-4);
 }
 
 // Straight back, the light crosses everything twice: (1 - exp(-2 tau)) / 2. The midpoint's error falls fourfold when
 // the steps are halved.
 TEST(March, StraightBackConvergesToTheSecondOrder) {
-    const auto sunlight = [](double depth) { return std::exp(-depth); };
+    const auto tau_sun = [](double depth) { return depth; };
     const double tau = 3.0, expected = 0.5 * (1.0 - std::exp(-2.0 * tau));
     double last = 0.0;
     for (const int steps : {8, 16, 32, 64}) {
-        const double error = std::abs(scattered(tau, steps, sunlight) - expected);
+        const double error = std::abs(scattered(tau, steps, tau_sun) - expected);
         if (steps > 8) {
             EXPECT_NEAR(last / error, 4.0, 0.3) << steps;
         }
@@ -56,14 +61,18 @@ TEST(March, StraightBackConvergesToTheSecondOrder) {
 // Straight on, each path crosses the whole slab once: tau exp(-tau).
 TEST(March, StraightOnCrossesTheSlabOnce) {
     const double tau = 2.0;
-    const auto sunlight = [tau](double depth) { return std::exp(-(tau - depth)); };
-    EXPECT_NEAR(scattered(tau, 256, sunlight), tau * std::exp(-tau), 1e-5);
+    const auto tau_sun = [tau](double depth) { return tau - depth; };
+    EXPECT_NEAR(scattered(tau, 256, tau_sun), tau * std::exp(-tau), 1e-5);
 }
 
 TEST(MarchSteps, AreNoLongerThanAskedAndNoMoreThanNeeded) {
     EXPECT_EQ(glsl::march_steps(0.0F, 0.1F), 1.0F);
     EXPECT_EQ(glsl::march_steps(0.05F, 0.1F), 1.0F);
-    EXPECT_EQ(glsl::march_steps(0.8F, 0.1F), 8.0F); // not 9 for a rounding error
+    float sum = 0.0F;
+    for (int steps = 1; steps <= 100; ++steps) {
+        sum += 0.1F;
+        EXPECT_EQ(glsl::march_steps(sum, 0.1F), float(steps)); // not one more for a rounding error
+    }
     for (float stretch = 0.01F; stretch < 7.0F; stretch *= 1.07F) {
         const float steps = glsl::march_steps(stretch, 0.1F);
         EXPECT_LE(stretch / steps, 0.1F * 1.002F) << stretch;

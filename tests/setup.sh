@@ -11,7 +11,7 @@ build=$root/build
 packages=(
     blender xvfb xauth libgl1-mesa-dri libegl1
     g++ cmake ninja-build pybind11-dev python3-dev
-    libglm-dev libxsimd-dev libtbb-dev libembree-dev libopenvdb-dev libboost-dev libopenimageio-dev
+    libglm-dev libxsimd-dev libtbb-dev libembree-dev libopenvdb-dev libboost-dev
     libgtest-dev python3-pytest python3-numpy python3-cattr python3-requests
 )
 
@@ -35,11 +35,12 @@ install_missing() {
     DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}"
 }
 
+# build_target NAME: `addon`, or `all` to have the C++ tests too.
 # Debian's own Python, whatever the PATH says: it is the one inside Debian's Blender.
-build_all() {
+build_target() {
     say "Building in $build"
     cmake -S "$root" -B "$build" -G Ninja -DPython_EXECUTABLE=/usr/bin/python3
-    cmake --build "$build"
+    cmake --build "$build" --target "$1"
 }
 
 # From here on Blender keeps its preferences, caches and temporary files in build/, and finds the built add-on there.

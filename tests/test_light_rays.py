@@ -119,7 +119,7 @@ REFUSED: dict[str, Callable[[], object]] = {
         HALF, HALF, "mean"
     ),
     "q is 0, but must lie between": lambda: sfumato.depth_range(HALF, HALF, q=0.0),
-    r"depth has shape \(1\) and optical_depth \(2\)": lambda: sfumato.project(HALF, np.ones(2)),
+    r"optical_depth has shape \(2\), but must have that of depth, \(1\)": lambda: sfumato.project(HALF, np.ones(2)),
     "texels has 6 bytes a ray, but must have more than 6": lambda: sfumato.unpack(np.zeros(6, np.uint8)),
     "texels has 19 bytes a ray, but curve has 20": lambda: CURVE.transmittance(np.zeros(19, np.uint8), HALF),
     "bytes is 4, but must lie between 8 and 64": lambda: sfumato.choose_basis(HALF[None], HALF[None], bytes=4),

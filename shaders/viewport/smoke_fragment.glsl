@@ -2,8 +2,9 @@
 // The smoke pass: for each pixel, march the lit volume up to the first surface and darken that surface by the light map.
 //
 // Textures (viewport.py makes them):
-//   surfaces    radiance without smoke, or with OVERLAY the cosine of the visible sun; alpha: distance along the ray
-//   lit_volume  density; the share of the sun that arrives, for each of COLOURS
+//   surfaces    radiance without smoke, or with OVERLAY the cosine of the sun's angle,
+//               in red where solids leave the sun visible; alpha: distance along the ray
+//   lit_volume  density, column density towards the sun, share of the sun that solids keep back (0 where not stored)
 //   clearance   for each brick of the volume: negative where smoke may be met, else how many cells are empty around it
 //   light_map   layer j holds a_2j, b_2j, a_2j+1, b_2j+1, where b_0 = 0
 //
@@ -96,7 +97,7 @@ void main()
       vec4 lit = textureLod(lit_volume, place / view.grid.xyz, 0.0f);
       clearest = OPAQUE_DEPTH;
       for (int c = 0; c < COLOURS; ++c) {
-        march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, lit[c + 1]);
+        march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, view.extinction[c] * lit.y, lit.z);
         clearest = min(clearest, march[c].optical_depth);
       }
     }
@@ -124,7 +125,10 @@ void main()
   float phase = henyey_greenstein(dot(view.sun.xyz, -ray.direction), view.extinction.w);
   vec3 smoke = view.source.xyz * phase * spread(scattered);
 #ifdef OVERLAY
-  transmittance = vec4(spread(to_eye) * (1.0f - view.sun.w * surface.x * (1.0f - spread(to_sun))), pick(hit, 1.0f, 0.0f));
+  // Light that Blender's picture shows, and light that ought to be there: T_opaque T_map of the sun at its cosine.
+  float shown = pick(view.screen.w > 0.5f, surface.x, surface.y);
+  vec3 missing = shown - surface.x * spread(to_sun);
+  transmittance = vec4(spread(to_eye) * (1.0f - view.sun.w * missing), pick(hit, 1.0f, 0.0f));
   radiance = vec4(smoke, 0.0f);
 #else
   float alpha = 1.0f - dot(spread(to_eye), vec3(1.0f / 3.0f));

@@ -9,5 +9,5 @@ struct SmokeView {
   vec4 source;                                    // RGB of the sun's irradiance times albedo; longest step, metres
   vec4 sun;                                       // the way its light travels; strength of its shadow in an overlay
   vec4 grid;                                      // cells along x, y, z; bricks per cell
-  vec4 screen;                                    // width, height; harmonics in the light map; unused
+  vec4 screen;                                    // width, height; harmonics in the light map; 1 where solids cast shadows already
 };

@@ -81,12 +81,35 @@ def test_no_light() -> None:
     assert said("No sun"), log.notices()
 
 
+def test_a_wide_sun() -> None:
+    harness.open_plume()
+    sun = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")
+    pictures.render(TINY)
+    assert not said("angle"), log.notices()
+    sun.data.angle = 0.2
+    pictures.render(TINY)
+    assert said(sun.name, "11.5"), log.notices()
+
+
 def test_lamps_that_are_not_shown() -> None:
     harness.open_plume()
     lamp = bpy.data.objects.new("Desk", bpy.data.lights.new("Desk", "POINT"))
     bpy.context.scene.collection.objects.link(lamp)
     pictures.render(TINY)
     assert said("Desk", "point"), log.notices()
+
+
+def test_materials_that_are_not_diffuse() -> None:
+    harness.open_plume()
+    for thing, node in (("Ball", "ShaderNodeBsdfGlossy"), ("Block", "ShaderNodeBsdfPrincipled")):
+        material = bpy.context.scene.objects[thing].active_material
+        shader = material.node_tree.nodes.new(node)
+        if "Metallic" in shader.inputs:
+            shader.inputs["Metallic"].default_value = 1.0
+        output = material.node_tree.get_output_node("ALL")
+        material.node_tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    assert pictures.render(TINY)[..., :3].max() > 0.0
+    assert said("Ball", "glossy") and said("Block", "Metallic"), log.notices()
 
 
 def test_no_camera() -> None:
@@ -102,7 +125,7 @@ def test_no_camera() -> None:
 
 def test_camera_inside_the_smoke() -> None:
     thing = harness.open_plume()
-    bpy.context.scene.camera.location = thing.matrix_world.translation
+    bpy.context.scene.camera.location = harness.middle_of(thing)
     image = pictures.render(TINY)
     assert np.isfinite(image).all() and image[..., :3].max() > 0.0
 

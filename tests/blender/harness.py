@@ -21,9 +21,7 @@ from pathlib import Path
 from types import GeneratorType
 
 import bpy
-import numpy as np
 from mathutils import Vector
-from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLE = ROOT / "blend_samples" / "plume.blend"
@@ -54,63 +52,48 @@ def main() -> None:
 
 def open_plume(frame: int = 25) -> bpy.types.Object:
     """Open the sample at a frame, and give back the object that is the smoke: its domain, or where Mantaflow aborts a
-    Volume object made from the same frame of its cache."""
-    if MANTAFLOW_ABORTS:
-        return _open_plume_as_volume(frame)
-    bpy.ops.wm.open_mainfile(filepath=str(SAMPLE))
+    Volume object that shows the same cache."""
+    bpy.ops.wm.open_mainfile(filepath=str(plume_file()))
     bpy.context.scene.frame_set(frame)
     return bpy.context.scene.objects["Smoke Domain"]
 
 
-def _open_plume_as_volume(frame: int) -> bpy.types.Object:
-    """Append the sample's scene, and replace the domain before anything evaluates it."""
+def plume_file() -> Path:
+    """The sample; where Mantaflow aborts, a copy in which a Volume object has the domain's place and name."""
+    if not MANTAFLOW_ABORTS:
+        return SAMPLE
     with bpy.data.libraries.load(str(SAMPLE)) as (_, wanted):
         wanted.scenes = ["Scene"]
     scene = wanted.scenes[0]
     domain = scene.objects["Smoke Domain"]
     for thing in scene.objects:
-        thing.modifiers.clear()
+        thing.modifiers.clear()  # before anything evaluates the domain
 
+    files = sorted((CACHE / "data").glob("fluid_data_*.vdb"))
     data = bpy.data.volumes.new("Smoke")
-    data.filepath = str(CACHE / "data" / f"fluid_data_{frame:04}.vdb")
+    data.filepath = str(files[0])
     if not data.grids.load():
         raise RuntimeError(f"{data.filepath}: {data.grids.error_message}")
-    smoke = bpy.data.objects.new("Smoke", data)
-    data.materials.append(domain.active_material)
     # OpenVDB's samples are the lattice points themselves, Mantaflow's the centres of cells: half a cell apart.
     half_cell = data.grids["density"].matrix_object.to_scale() * 0.5
-    smoke.location = domain.location + Vector(domain.bound_box[0]) + half_cell
-    scene.collection.objects.link(smoke)
+    corner = domain.location + Vector(domain.bound_box[0])
+    data.is_sequence = True
+    data.frame_start, data.frame_duration = 1, len(files)
+    data.materials.append(domain.active_material)
     bpy.data.objects.remove(domain)
+    smoke = bpy.data.objects.new("Smoke Domain", data)
+    smoke.location = corner + half_cell
+    smoke.display_type = "BOUNDS"  # Blender's own drawing of volumes jitters from redraw to redraw
+    scene.collection.objects.link(smoke)
 
-    bpy.context.window_manager.windows[0].scene = scene
-    scene.frame_set(frame)
-    return smoke
+    path = Path(bpy.app.tempdir) / "plume_as_volume.blend"
+    bpy.data.libraries.write(str(path), {scene})
+    return path
 
 
-def render(engine: str = "SFUMATO", resolution: tuple[int, int] | None = None) -> NDArray[np.float32]:
-    """Render the scene as F12 would: (height, width, 4), scene-linear, the lowest row first."""
-    scene = bpy.context.scene
-    scene.render.engine = engine
-    if resolution:
-        scene.render.resolution_x, scene.render.resolution_y = resolution
-        scene.render.resolution_percentage = 100
-    # Python cannot read the pixels of a render result, so through a file that keeps them as they are.
-    path = Path(bpy.app.tempdir) / "render.exr"
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_mode = "RGBA"
-    scene.render.image_settings.color_depth = "32"
-    scene.render.filepath = str(path)
-    path.unlink(missing_ok=True)
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(str(path))
-    try:
-        width, height = image.size
-        pixels = np.empty(width * height * 4, dtype=np.float32)
-        image.pixels.foreach_get(pixels)
-    finally:
-        bpy.data.images.remove(image)
-    return pixels.reshape(height, width, 4)
+def middle_of(smoke: bpy.types.Object) -> Vector:
+    """The middle of what open_plume gave, in the world: a domain's own origin, but not a Volume object's."""
+    return smoke.matrix_world @ (sum((Vector(corner) for corner in smoke.bound_box), Vector()) / 8.0)
 
 
 def _step(steps: Iterator[None]) -> float | None:

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the 3D viewport shows, read back before Blender's view transform, and ways to make it draw."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+Image = NDArray[np.float32]
+
+
+def viewport() -> tuple[Any, Any, Any]:
+    """The first 3D viewport: its window, its area and the region that it draws in."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                return window, area, next(region for region in area.regions if region.type == "WINDOW")
+    raise LookupError("no 3D viewport on the screen")
+
+
+def prepare(shading: str) -> Any:
+    """A viewport whose picture depends on nothing but the scene: no lines, no antialiasing. Returns its space."""
+    bpy.context.preferences.system.viewport_aa = "OFF"
+    space = viewport()[1].spaces.active
+    space.shading.type = shading
+    space.overlay.show_overlays = False
+    return space
+
+
+def read(buffer: Any, slot: int, size: tuple[int, int]) -> Image:
+    """The pixels of a framebuffer: (height, width, 4), row 0 at the bottom."""
+    import gpu
+
+    width, height = size
+    pixels = np.empty((height, width, 4), np.float32)
+    with buffer.bind():
+        buffer.read_color(0, 0, width, height, 4, slot, "FLOAT", data=gpu.types.Buffer("FLOAT", pixels.shape, pixels))
+    return pixels
+
+
+@contextmanager
+def watched() -> Iterator[list[tuple[Image, Image]]]:
+    """What every redraw of a viewport within the block leaves: Blender's picture, scene-linear, and its overlays."""
+    import gpu
+
+    seen: list[tuple[Image, Image]] = []
+    targets: list[Any] = []
+
+    def before() -> None:
+        targets[:] = [gpu.state.active_framebuffer_get()]
+
+    def after() -> None:
+        size = bpy.context.region.width, bpy.context.region.height
+        seen.append((read(targets.pop(), 0, size), read(gpu.state.active_framebuffer_get(), 0, size)))
+
+    space = bpy.types.SpaceView3D
+    handles = [space.draw_handler_add(*args) for args in ((before, (), "WINDOW", "PRE_VIEW"),
+                                                          (after, (), "WINDOW", "POST_VIEW"))]  # fmt: skip
+    try:
+        yield seen
+    finally:
+        for handle in handles:
+            space.draw_handler_remove(handle, "WINDOW")
+
+
+def view_matrix() -> NDArray[np.float64]:
+    """World to NDC, of the first 3D viewport."""
+    return np.array(viewport()[1].spaces.active.region_3d.perspective_matrix, dtype=np.float64)

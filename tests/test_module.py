@@ -1,0 +1,544 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Python module: its examples, its shapes and its refusals. What it computes is the business of the C++ tests."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import sfumato
+from sfumato import Camera, Frame, Scene
+
+Array = NDArray[Any]
+
+# ---- Examples ----
+
+
+def documented(owner: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """Every public callable below `owner`: functions, classes and methods."""
+    for key, member in vars(owner).items():
+        if key.startswith("_"):
+            continue
+        if inspect.ismodule(member):
+            yield from documented(member, f"{name}.{key}")
+        elif inspect.isclass(member):
+            yield f"{name}.{key}", member
+            yield from documented(member, f"{name}.{key}")
+        elif callable(member):
+            yield f"{name}.{key}", member
+
+
+CALLABLES = dict(documented(sfumato, "sfumato"))
+# Classes that only a Frame makes; their properties are documented there.
+MADE_BY_FRAME = {"sfumato.LitMedium", "sfumato.LightMap"}
+
+
+@pytest.mark.parametrize("name", sorted(set(CALLABLES) - MADE_BY_FRAME))
+def test_example(name: str) -> None:
+    examples = doctest.DocTestParser().get_doctest(CALLABLES[name].__doc__, dict(vars(sfumato)), name, None, None)
+    assert examples.examples, f"{name} has no example"
+    report: list[str] = []
+    assert doctest.DocTestRunner().run(examples, out=report.append).failed == 0, "".join(report)
+
+
+def test_every_property_is_documented() -> None:
+    silent = [
+        f"{name}.{key}"
+        for name, member in CALLABLES.items()
+        if inspect.isclass(member)
+        for key, value in vars(member).items()
+        if isinstance(value, property) and not value.__doc__
+    ]
+    assert not silent
+
+
+# ---- Scenes ----
+
+TRIANGLE: dict[str, Any] = {
+    "vertices": [[-9, -9, 0], [9, -9, 0], [0, 9, 0]],
+    "triangles": [[0, 1, 2]],
+    "corner_normals": [[[0, 0, 1]] * 3],
+    "material": [0],
+    "albedo": [[0.8, 0.6, 0.4]],
+}
+MEDIUM: dict[str, Any] = {
+    "density": np.full((3, 4, 5), 0.5),
+    "grid_to_world": np.diag([0.2, 0.25, 0.3, 1.0]),
+    "scattering": (1, 1, 1),
+    "absorption": (0.5, 0.5, 0.5),
+    "anisotropy": 0.25,
+}
+SUN: dict[str, Any] = {"direction": (0, 0, -1), "irradiance": (4, 3, 2), "angle": 0.01}
+
+
+def scene_of(**medium: Any) -> Scene:
+    scene = Scene()
+    scene.add_mesh(**TRIANGLE)
+    scene.set_medium(**{**MEDIUM, **medium})
+    scene.set_sun(**SUN)
+    scene.set_background((0.1, 0.2, 0.3))
+    return scene
+
+
+def camera_from_above() -> Camera:
+    """Orthographic, 4 m by 4 m around the origin, from z = 5 to z = -5."""
+    return Camera(np.diag([0.5, 0.5, -0.2, 1.0]))
+
+
+def picture(scene: Scene, **render: Any) -> Array:
+    image: Array = Frame(scene).render(camera_from_above(), **{"width": 12, "height": 8, **render})
+    return image
+
+
+# ---- Shapes and types ----
+
+
+def as_lists(array: Array) -> Any:
+    return array.tolist()
+
+
+def strided(array: Array) -> Array:
+    """The same values, every second one of a larger array, and in Fortran's order."""
+    wide = np.zeros((2 * array.shape[0],) + array.shape[1:], dtype=array.dtype)
+    wide[::2] = array
+    return np.asfortranarray(wide)[::2]
+
+
+@pytest.mark.parametrize(
+    "convert", [np.float32, np.float64, np.float16, np.int64, np.asfortranarray, strided, as_lists]
+)
+def test_scenes_take_any_layout(convert: Callable[[Array], Any]) -> None:
+    density = np.arange(60.0).reshape(3, 4, 5) % 7
+    expected = picture(scene_of(density=density.astype(np.float32)))
+    np.testing.assert_array_equal(picture(scene_of(density=convert(density))), expected)
+    scene = scene_of(density=density, grid_to_world=convert(np.diag([1.0, 2.0, 1.0, 1.0])))
+    np.testing.assert_array_equal(
+        picture(scene), picture(scene_of(density=density, grid_to_world=np.diag([1.0, 2.0, 1.0, 1.0])))
+    )
+
+
+def test_a_mesh_takes_any_layout() -> None:
+    def with_mesh(**changed: Any) -> Array:
+        scene = Scene()
+        scene.set_sun(**SUN)
+        scene.add_mesh(**{**TRIANGLE, **changed})
+        return picture(scene)
+
+    expected = with_mesh()
+    assert expected[..., 3].max() == 1.0
+    for kind in (np.int32, np.uint32, np.int64, np.float64):
+        np.testing.assert_array_equal(with_mesh(triangles=np.array([[0, 1, 2]], dtype=kind)), expected)
+    vertices = strided(np.array(TRIANGLE["vertices"], dtype=np.float32))
+    assert not vertices.flags.c_contiguous
+    np.testing.assert_array_equal(with_mesh(vertices=vertices), expected)
+
+
+def test_a_scene_keeps_nothing_of_the_callers_arrays() -> None:
+    density = np.full((3, 4, 5), 0.5, dtype=np.float32)
+    scene = scene_of(density=density)
+    before = picture(scene)
+    density[:] = 9.0
+    np.testing.assert_array_equal(picture(scene), before)
+
+
+def test_meshes_may_be_empty() -> None:
+    scene = Scene()
+    scene.add_mesh(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3, 3)), np.zeros(0), np.zeros((0, 3)))
+    scene.add_mesh(**{**TRIANGLE, "triangles": np.zeros((0, 3)), "corner_normals": np.zeros((0, 3, 3)), "material": []})
+    assert picture(scene)[..., 3].max() == 0.0
+
+
+def test_pictures_start_at_the_lower_left() -> None:
+    scene = Scene()
+    scene.set_sun(**SUN)
+    corner = {**TRIANGLE, "vertices": [[-2.0, -2.0, 0.0], [-1.4, -2.0, 0.0], [-2.0, -1.4, 0.0]]}
+    scene.add_mesh(**corner)
+    image = picture(scene, edge_samples=1)
+    assert image.shape == (8, 12, 4) and image.dtype == np.float32
+    assert image[0, 0, 3] == 1.0 and image[..., 3].sum() == 1.0
+
+
+def test_parts_of_a_frame() -> None:
+    grid_to_world = np.array([[0.2, 0, 0, 1], [0, 0.25, 0, 2], [0, 0, 0.3, 3], [0, 0, 0, 1]])
+    frame = Frame(scene_of(grid_to_world=grid_to_world), coefficients=7, texels_per_cell=2.0, steps_per_cell=2.0)
+    medium, light_map = frame.medium, frame.light_map
+    assert medium.lit_volume.shape == (5, 6, 7, 2) and medium.lit_volume.dtype == np.float32
+    assert medium.clearance.shape == (2, 2, 2)
+    first = grid_to_world @ (-1, -1, -1, 1)  # there is one empty cell more
+    np.testing.assert_allclose(medium.grid_to_world, np.c_[grid_to_world[:, :3], first], atol=1e-6)
+    np.testing.assert_allclose(medium.extinction, 1.5)
+    np.testing.assert_allclose(medium.albedo, 2 / 3)
+    assert medium.anisotropy == 0.25
+    assert light_map.coefficients.shape[2] == 7
+    assert light_map.world_to_map.shape == (4, 4)
+    assert frame.step_length == pytest.approx(0.1)
+    direction, irradiance, angle = frame.sun
+    np.testing.assert_array_equal(direction, SUN["direction"])
+    np.testing.assert_array_equal(irradiance, SUN["irradiance"])
+    assert angle == pytest.approx(SUN["angle"])
+    surfaces = frame.surfaces(camera_from_above(), 6, 4)
+    assert surfaces.shape == (4, 6, 4) and surfaces.dtype == np.float32
+    np.testing.assert_allclose(surfaces[..., 3].min(), 5.0, rtol=1e-5)
+
+
+def test_parts_are_copies_that_outlive_the_frame() -> None:
+    frame = Frame(scene_of())
+    medium = frame.medium
+    volume = medium.lit_volume
+    volume[:] = 0.0
+    assert medium.lit_volume.max() > 0.0
+    del frame
+    assert medium.lit_volume.max() > 0.0
+
+
+def test_parts_that_a_scene_lacks_are_none() -> None:
+    frame = Frame(Scene())
+    assert frame.medium is None and frame.light_map is None and frame.sun is None
+    np.testing.assert_array_equal(frame.transmittance(np.zeros((2, 3))), np.ones((2, 3)))
+
+
+@pytest.mark.parametrize("shape", [(), (5,), (2, 3), (0,), (2, 0, 3)])
+def test_leading_axes_are_kept(shape: tuple[int, ...]) -> None:
+    random = np.random.default_rng(1)
+    depth, tau = random.random(shape + (6,)), random.random(shape + (6,))
+    series = sfumato.project(depth, tau, coefficients=5)
+    assert series.shape == shape + (5,)
+    assert sfumato.transmittance(series, random.random(shape + (9,))).shape == shape + (9,)
+    assert sfumato.henyey_greenstein(np.zeros(shape), 0.5).shape == shape
+    points = random.random(shape + (3,))
+    assert Frame(scene_of()).transmittance(points).shape == shape + (3,)
+    columns = sfumato.reference.column(scene_of(), points, points + 1.0)
+    assert columns.shape == shape and columns.dtype == np.float64
+    for row in np.ndindex(shape):
+        np.testing.assert_array_equal(series[row], sfumato.project(depth[row], tau[row], coefficients=5))
+
+
+def test_rays_without_absorbers_or_depths_are_clear() -> None:
+    empty = sfumato.project(np.zeros((2, 0)), np.zeros((2, 0)))
+    np.testing.assert_array_equal(empty, np.zeros((2, 7)))
+    assert sfumato.transmittance(empty, np.zeros((2, 0))).shape == (2, 0)
+    assert sfumato.reference.transmittance([], [], [0.5]).tolist() == [1.0]
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_precision_is_kept(kind: type) -> None:
+    depth: Array = np.linspace(0.0, 1.0, 8, dtype=kind)
+    series = sfumato.project(depth, depth)
+    assert series.dtype == kind
+    assert sfumato.transmittance(series, depth).dtype == kind
+    assert sfumato.henyey_greenstein(depth, 0.5).dtype == kind
+    expected = sfumato.project(depth.astype(np.float32), depth.astype(np.float32))
+    np.testing.assert_array_equal(series, expected)
+    np.testing.assert_array_equal(sfumato.project(strided(depth), strided(depth)), series)
+    assert sfumato.project(depth.tolist(), depth.tolist()).dtype == np.float64
+
+
+# ---- The reference ----
+
+
+def test_the_reference_judges_the_frame() -> None:
+    scene, camera = scene_of(), camera_from_above()
+    expected = sfumato.reference.render(scene, camera, 12, 8, sun_samples_per_axis=2, step=0.05)
+    assert expected.shape == (8, 12, 4) and expected.dtype == np.float64
+    image = Frame(scene, 31, 4.0, 4.0).render(camera, 12, 8, edge_samples=1)
+    assert np.abs(image - expected).max() < 0.02 * expected.max()
+    points = np.array([[0.5, 0.5, -2.0], [0.5, 0.5, 0.45], [3.0, 3.0, 0.0]])
+    exact = np.exp(-1.5 * sfumato.reference.column(scene, points, points + (0, 0, 9)))
+    np.testing.assert_allclose(Frame(scene, 31, 4.0).transmittance(points)[:, 0], exact, atol=0.005)
+
+
+def test_the_reference_judges_the_series() -> None:
+    depth, alpha, d = np.array([0.2, 0.6, 0.4]), np.array([0.1, 0.3, 0.2]), np.array([0.0, 0.5, 1.0])
+    series = sfumato.project(depth, -np.log(1.0 - alpha), coefficients=2001)
+    np.testing.assert_allclose(
+        sfumato.transmittance(series, d), sfumato.reference.transmittance(depth, alpha, d), atol=1e-3
+    )
+    np.testing.assert_allclose(sfumato.reference.transmittance(depth, alpha, d), [1.0, 0.72, 0.504], rtol=1e-12)
+
+
+# ---- Refusals ----
+
+NAN, INF = float("nan"), float("inf")
+
+
+def wrong_mesh(**changed: Any) -> Callable[[], Any]:
+    return lambda: Scene().add_mesh(**{**TRIANGLE, **changed})
+
+
+def wrong_medium(**changed: Any) -> Callable[[], Any]:
+    return lambda: Scene().set_medium(**{**MEDIUM, **changed})
+
+
+def wrong_sun(**changed: Any) -> Callable[[], Any]:
+    return lambda: Scene().set_sun(**{**SUN, **changed})
+
+
+def wrong_frame(**changed: Any) -> Callable[[], Any]:
+    return lambda: Frame(Scene(), **changed)
+
+
+def wrong_render(**changed: Any) -> Callable[[], Any]:
+    return lambda: Frame(Scene()).render(**{"camera": camera_from_above(), "width": 2, "height": 2, **changed})
+
+
+def wrong_surfaces(**changed: Any) -> Callable[[], Any]:
+    return lambda: Frame(Scene()).surfaces(**{"camera": camera_from_above(), "width": 2, "height": 2, **changed})
+
+
+def wrong_reference(**changed: Any) -> Callable[[], Any]:
+    arguments = {"scene": Scene(), "camera": camera_from_above(), "width": 2, "height": 2, **changed}
+    return lambda: sfumato.reference.render(**arguments)
+
+
+def matrix(*, row: int, column: int, value: float) -> Array:
+    out = np.eye(4)
+    out[row, column] = value
+    return out
+
+
+INFINITE_FAR_PLANE = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]], dtype=np.float64)
+
+# What is wrong, the argument, and its value or shape, as the message must give them.
+REFUSALS: list[tuple[Callable[[], Any], str, str]] = [
+    (wrong_mesh(vertices=[[0, 0], [1, 0], [0, 1]]), "vertices", "(3, 2)"),
+    (wrong_mesh(vertices=[[NAN, 0, 0]] * 3), "vertices", "nan"),
+    (wrong_mesh(vertices=[[0, 0, 0], [1, INF, 0], [0, 1, 0]]), "vertices", "inf at flat index 4"),
+    (wrong_mesh(vertices=[[0, 0, 1e39]] * 3), "vertices", "inf"),  # beyond float32
+    (wrong_mesh(triangles=[0, 1, 2]), "triangles", "(3)"),
+    (wrong_mesh(triangles=[[0, 1, 3]]), "triangles", "3 at flat index 2"),
+    (wrong_mesh(triangles=[[0, -1, 2]]), "triangles", "-1"),
+    (wrong_mesh(triangles=[[0, 0.7, 2]]), "triangles", "0.7"),
+    (wrong_mesh(triangles=[[0, NAN, 2]]), "triangles", "nan"),
+    (wrong_mesh(triangles=[[0, 1, 2**40]]), "triangles", "1099511627776"),
+    (wrong_mesh(corner_normals=[[[0, 0, 1]] * 2]), "corner_normals", "(1, 2, 3)"),
+    (wrong_mesh(corner_normals=[[[0, 0, INF]] * 3]), "corner_normals", "inf"),
+    (wrong_mesh(material=[0, 0]), "material", "(2)"),
+    (wrong_mesh(material=[1]), "material", "1"),
+    (wrong_mesh(albedo=[[0.5, 0.5, 1.25]]), "albedo", "1.25"),
+    (wrong_mesh(albedo=[[0.5, -0.5, 1.0]]), "albedo", "-0.5"),
+    (wrong_mesh(albedo=[[0.5, NAN, 1.0]]), "albedo", "nan"),
+    (wrong_mesh(albedo=[0.5, 0.5, 0.5]), "albedo", "(3)"),
+    (wrong_medium(density=np.zeros((3, 4))), "density", "(3, 4)"),
+    (wrong_medium(density=np.zeros((3, 0, 4))), "density", "(3, 0, 4)"),
+    (wrong_medium(density=np.full((2, 2, 2), -1.0)), "density", "-1"),
+    (wrong_medium(density=np.full((2, 2, 2), NAN)), "density", "nan"),
+    (wrong_medium(density=np.full((2, 2, 2), INF)), "density", "inf"),
+    (wrong_medium(grid_to_world=np.eye(3)), "grid_to_world", "(3, 3)"),
+    (wrong_medium(grid_to_world=matrix(row=1, column=1, value=0.0)), "grid_to_world", "0"),
+    (wrong_medium(grid_to_world=matrix(row=1, column=1, value=NAN)), "grid_to_world", "nan"),
+    (wrong_medium(grid_to_world=matrix(row=1, column=1, value=1e39)), "grid_to_world", "1e+39"),
+    (wrong_medium(grid_to_world=matrix(row=3, column=1, value=0.5)), "grid_to_world", "0.5"),
+    (wrong_medium(scattering=(1, 1)), "scattering", "(2)"),
+    (wrong_medium(scattering=(1, 1, -2)), "scattering", "-2"),
+    (wrong_medium(absorption=(NAN, 1, 1)), "absorption", "nan"),
+    (wrong_medium(absorption=3.0), "absorption", "()"),
+    (wrong_medium(anisotropy=1.0), "anisotropy", "1"),
+    (wrong_medium(anisotropy=NAN), "anisotropy", "nan"),
+    (wrong_sun(direction=(0, 0, 0)), "direction", "(0, 0, 0)"),
+    (wrong_sun(direction=(0, INF, 0)), "direction", "inf"),
+    (wrong_sun(direction=(0, 1)), "direction", "(2)"),
+    (wrong_sun(irradiance=(-1, 1, 1)), "irradiance", "-1"),
+    (wrong_sun(irradiance=(1, 1, 1, 1)), "irradiance", "(4)"),
+    (wrong_sun(angle=-0.5), "angle", "-0.5"),
+    (wrong_sun(angle=4.0), "angle", "4"),
+    (wrong_sun(angle=NAN), "angle", "nan"),
+    (lambda: Scene().set_background((0, 0)), "radiance", "(2)"),
+    (lambda: Scene().set_background((0, 0, -1)), "radiance", "-1"),
+    (lambda: Scene().set_background((0, NAN, 0)), "radiance", "nan"),
+    (lambda: Camera(np.eye(3)), "view_projection", "(3, 3)"),
+    (lambda: Camera(np.zeros((4, 4))), "view_projection", "0"),
+    (lambda: Camera(matrix(row=0, column=0, value=NAN)), "view_projection", "nan"),
+    (lambda: Camera(INFINITE_FAR_PLANE), "view_projection", "infinity"),
+    (wrong_frame(coefficients=6), "coefficients", "6"),
+    (wrong_frame(coefficients=0), "coefficients", "0"),
+    (wrong_frame(coefficients=-3), "coefficients", "-3"),
+    (wrong_frame(coefficients=65), "coefficients", "65"),
+    (wrong_frame(texels_per_cell=0.0), "texels_per_cell", "0"),
+    (wrong_frame(texels_per_cell=NAN), "texels_per_cell", "nan"),
+    (wrong_frame(steps_per_cell=-1.0), "steps_per_cell", "-1"),
+    (wrong_frame(steps_per_cell=INF), "steps_per_cell", "inf"),
+    (wrong_render(width=0), "width", "0"),
+    (wrong_render(height=-2), "height", "-2"),
+    (wrong_render(width=10**6), "width", "1000000"),
+    (wrong_render(edge_samples=0), "edge_samples", "0"),
+    (wrong_surfaces(width=0), "width", "0"),
+    (wrong_surfaces(height=0), "height", "0"),
+    (lambda: Frame(Scene()).transmittance(np.zeros((2, 2))), "points", "(2, 2)"),
+    (lambda: Frame(Scene()).transmittance(1.0), "points", "()"),
+    (lambda: Frame(Scene()).transmittance([[0, 0, NAN]]), "points", "nan"),
+    (lambda: sfumato.project([0.5], [1.0, 1.0]), "optical_depth", "(2)"),
+    (lambda: sfumato.project(0.5, 1.0), "depth", "single number"),
+    (lambda: sfumato.project([1.5], [1.0]), "depth", "1.5"),
+    (lambda: sfumato.project([NAN], [1.0]), "depth", "nan"),
+    (lambda: sfumato.project([0.5], [-1.0]), "optical_depth", "-1"),
+    (lambda: sfumato.project([0.5], [INF]), "optical_depth", "inf"),
+    (lambda: sfumato.project([0.5], [1.0], coefficients=4), "coefficients", "4"),
+    (lambda: sfumato.project([0.5], [1.0], coefficients=-1), "coefficients", "-1"),
+    (lambda: sfumato.project([0.5], [1.0], width=2.0), "width", "2"),
+    (lambda: sfumato.project("smoke", [1.0]), "depth", "'smoke'"),
+    (lambda: sfumato.project([0.5], [1j]), "optical_depth", "1j"),
+    (lambda: sfumato.project([0.5], None), "optical_depth", "None"),
+    (lambda: sfumato.project([[0.5], [0.5, 0.5]], [1.0]), "depth", "[[0.5], [0.5, 0.5]]"),
+    (lambda: sfumato.transmittance(np.zeros(4), [0.5]), "coefficients", "4"),
+    (lambda: sfumato.transmittance(np.zeros((2, 7)), [0.5]), "depth", "(1)"),
+    (lambda: sfumato.transmittance([NAN], [0.5]), "coefficients", "nan"),
+    (lambda: sfumato.transmittance([1.0], [-0.5]), "depth", "-0.5"),
+    (lambda: sfumato.henyey_greenstein([1.5]), "cos_theta", "1.5"),
+    (lambda: sfumato.henyey_greenstein([0.5], anisotropy=-1.0), "anisotropy", "-1"),
+    (lambda: sfumato.read_volume("no such file.vdb"), "path", "no such file.vdb"),
+    (lambda: sfumato.reference.transmittance([0.5], [1.5], [1.0]), "alpha", "1.5"),
+    (lambda: sfumato.reference.transmittance([0.5], [0.5, 0.5], [1.0]), "alpha", "(2)"),
+    (lambda: sfumato.reference.transmittance([NAN], [0.5], [1.0]), "depth", "nan"),
+    (lambda: sfumato.reference.transmittance([0.5], [0.5], [[1.0]]), "d", "(1, 1)"),
+    (lambda: sfumato.reference.column(Scene(), [0, 0], [0, 0]), "start", "(2)"),
+    (lambda: sfumato.reference.column(Scene(), [0, 0, 0], [[0, 0, 0]]), "end", "(1, 3)"),
+    (lambda: sfumato.reference.column(Scene(), [0, 0, 0], [0, INF, 0]), "end", "inf"),
+    (wrong_reference(width=0), "width", "0"),
+    (wrong_reference(height=-1), "height", "-1"),
+    (wrong_reference(sun_samples_per_axis=0), "sun_samples_per_axis", "0"),
+    (wrong_reference(step=0.0), "step", "0"),
+    (wrong_reference(step=NAN), "step", "nan"),
+]  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore:overflow encountered in cast")
+@pytest.mark.parametrize("refused, argument, value", REFUSALS)
+def test_bad_input_is_named(refused: Callable[[], Any], argument: str, value: str) -> None:
+    with pytest.raises(ValueError) as error:
+        refused()
+    message = str(error.value)
+    assert message.startswith(argument), message
+    assert value in message.removeprefix(argument), message
+
+
+def test_a_refusal_changes_nothing() -> None:
+    scene = scene_of()
+    before = picture(scene)
+    refusals: list[Callable[[], Any]] = [
+        lambda: scene.add_mesh(**{**TRIANGLE, "material": [7]}),
+        lambda: scene.set_medium(**{**MEDIUM, "anisotropy": 2.0}),
+        lambda: scene.set_sun(**{**SUN, "angle": -1.0}),
+        lambda: scene.set_background((NAN, 0, 0)),
+    ]
+    for refused in refusals:
+        with pytest.raises(ValueError):
+            refused()
+    np.testing.assert_array_equal(picture(scene), before)
+
+
+@pytest.mark.parametrize("length", [1e-25, 1e25])
+def test_a_suns_direction_may_have_any_length(length: float) -> None:
+    frames = []
+    for scale in (1.0, length):
+        scene = Scene()
+        scene.set_sun((0.3 * scale, 0.1 * scale, -scale), (1, 1, 1))
+        frames.append(Frame(scene).sun[0])
+    np.testing.assert_allclose(frames[0], frames[1], rtol=1e-6)
+
+
+def test_smoke_may_be_very_small() -> None:
+    small = scene_of(grid_to_world=np.diag([1e-16, 1e-16, 1e-16, 1.0]), scattering=(1e16, 1e16, 1e16))
+    assert Frame(small).medium.lit_volume.max() > 0.0
+
+
+# ---- The interpreter's lock and progress ----
+
+
+def heavy_frame() -> Frame:
+    return Frame(
+        scene_of(density=np.random.default_rng(2).random((40, 40, 40)), grid_to_world=np.diag([0.05] * 3 + [1.0]))
+    )
+
+
+def beats_during(work: Callable[[], Any]) -> tuple[int, float]:
+    """How often another thread gets to run Python while `work` runs, and how long that takes."""
+    beats, stop = [0], threading.Event()
+
+    def beat() -> None:
+        while not stop.wait(0.001):
+            beats[0] += 1
+
+    thread = threading.Thread(target=beat)
+    thread.start()
+    try:
+        start = time.perf_counter()
+        work()
+        seconds = time.perf_counter() - start
+        return beats[0], seconds
+    finally:
+        stop.set()
+        thread.join()
+
+
+HEAVY: dict[str, Callable[[], Callable[[], Any]]] = {
+    "render": lambda: (lambda frame: lambda: frame.render(camera_from_above(), 600, 600))(heavy_frame()),
+    "surfaces": lambda: (lambda frame: lambda: frame.surfaces(camera_from_above(), 4000, 2000))(heavy_frame()),
+    "Frame": lambda: lambda: Frame(
+        scene_of(density=np.random.default_rng(3).random((60, 60, 60))), coefficients=63, texels_per_cell=2.0
+    ),
+    "project": lambda: lambda: sfumato.project(np.full((30000, 100), 0.5), np.ones((30000, 100)), 31),
+    "reference.render": lambda: lambda: sfumato.reference.render(scene_of(), camera_from_above(), 40, 40, 2, 0.01),
+}
+
+
+@pytest.mark.parametrize("name", HEAVY)
+def test_other_threads_run_meanwhile(name: str) -> None:
+    work = HEAVY[name]()
+    beats, seconds = beats_during(work)
+    # With the lock held there would be none but at the ends. A busy machine may steal many, though not nearly all.
+    assert seconds > 0.02, "too quick to tell"
+    assert beats >= max(4, seconds / 0.05), f"{beats} beats in {seconds:.3f} s"
+
+
+def test_progress_is_reported_from_any_thread() -> None:
+    frame, shares, images = heavy_frame(), [], []
+
+    def report(share: float) -> bool:
+        shares.append(share)
+        return True
+
+    thread = threading.Thread(target=lambda: images.append(frame.render(camera_from_above(), 64, 64, progress=report)))
+    thread.start()
+    thread.join()
+    assert images[0].shape == (64, 64, 4)
+    assert shares[0] == 0.0 and shares == sorted(shares) and 0.5 < shares[-1] < 1.0
+
+
+def test_two_threads_render_one_frame() -> None:
+    frame, images = heavy_frame(), {}
+    threads = [
+        threading.Thread(target=lambda key=key: images.update({key: frame.render(camera_from_above(), 64, 64)}))
+        for key in range(2)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    np.testing.assert_array_equal(images[0], images[1])
+
+
+@pytest.mark.parametrize("answer", [False, np.False_, 0])
+def test_progress_stops_the_work_with_false(answer: Any) -> None:
+    assert picture(scene_of(), progress=lambda share: answer) is None
+
+
+def test_progress_that_answers_nothing_lets_the_work_go_on() -> None:
+    shares: list[float] = []
+    assert picture(scene_of(), progress=shares.append) is not None
+    assert shares
+
+
+def test_an_error_in_progress_reaches_the_caller() -> None:
+    def fail(share: float) -> bool:
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        picture(scene_of(), progress=fail)
