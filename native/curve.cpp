@@ -36,9 +36,9 @@ std::vector<CurveVertex> exact_curve(const Absorbers &absorbers) {
     for (const Event &event : events) {
         if (!out.empty() && event.z > z) {
             const double gain = std::max(slope, 0.0) * (event.z - z);
-            const double pieces = std::clamp(std::ceil(gain / 0.125), 1.0, 128.0);
-            for (double piece = 1.0; piece <= pieces; ++piece) {
-                const double share = piece / pieces;
+            const int pieces = static_cast<int>(std::clamp(std::ceil(gain / 0.125), 1.0, 128.0));
+            for (int piece = 1; piece <= pieces; ++piece) {
+                const double share = static_cast<double>(piece) / pieces;
                 out.push_back({z + share * (event.z - z), std::exp(-(tau + share * gain))});
             }
             tau += gain;

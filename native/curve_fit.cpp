@@ -196,6 +196,7 @@ void fit_curve(std::span<const CurveVertex> vertices, std::span<std::uint8_t> te
     // Knots are chosen relative to the exact range, not to the stored one: so they stay when all of the ray moves.
     const double low = vertices.front().z, width = std::max(vertices.back().z - low, 1e-12);
     std::vector<CurveVertex> relative;
+    relative.reserve(vertices.size());
     for (const CurveVertex &v : vertices) {
         relative.push_back({(v.z - low) / width, v.t});
     }
@@ -207,6 +208,7 @@ void fit_curve(std::span<const CurveVertex> vertices, std::span<std::uint8_t> te
     std::vector<std::size_t> chosen = simplify(thinned, CURVE_KNOTS + 2);
     settle(thinned, chosen);
     std::vector<CurveVertex> knots;
+    knots.reserve(chosen.size());
     for (const std::size_t i : chosen) {
         knots.push_back(thinned.vertices[i]);
     }

@@ -4,9 +4,9 @@
 // A basis is a pair for each k. An absorber of optical depth tau at depth z adds tau F_k(z) to coefficient c_k, and the
 // optical depth down to d is sum_k c_k G_k(d). Both are sums: absorbers and maps add in any order, and filtering
 // coefficients is filtering optical depth. G_k(1) F_k sums to 1, so that the total is exact. F and G of
-//   Fourier (opacity.glsl): 2, 2 cos 2 pi k z, 2 sin 2 pi k z;    d/2, sin(2 pi k d)/(2 pi k), (1 - cos 2 pi k d)/(2 pi k)
-//   half-range cosine:      1, 2 cos pi k z;                      d, sin(pi k d)/(pi k)
-//   piecewise constant:     1 inside slice k, else 0;             clamp(n d - k, 0, 1)
+//   Fourier (opacity.glsl): 2, 2 cos 2 pi k z, 2 sin 2 pi k z; d/2, sin(2 pi k d)/(2 pi k), (1 - cos 2 pi k d)/(2 pi k)
+//   half-range cosine:      1, 2 cos pi k z;                   d, sin(pi k d)/(pi k)
+//   piecewise constant:     1 inside slice k, else 0;          clamp(n d - k, 0, 1)
 //   learned:                two tables, made from the scene's own rays (native/learned_basis.hpp)
 
 // The cosine basis is the series of the function mirrored at d = 1: harmonics of half the frequency, without sines. So

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A resolved light ray: its transmittance as straight lines between a few knots, with depths and values in eight bits.
 //
-// What Lokovic and Veach, "Deep Shadow Maps", 2000, keep as a list of any length, at a fixed size: knots that are chosen
-// ray by ray (native/curve.cpp) sit where the ray needs them, steps included. T falls by construction, from exactly 1
-// before the first knot to exactly the total behind the last. It is not linear in the absorbers, unlike a basis: make
-// it when all of them are known, and filter T itself.
+// What Lokovic and Veach, "Deep Shadow Maps", 2000, keep as a list of any length, at a fixed size: knots that are
+// chosen ray by ray (native/curve_fit.cpp) sit where the ray needs them, steps included. T falls by construction, from
+// exactly 1 before the first knot to exactly the total behind the last. It is not linear in the absorbers, unlike a
+// basis: make it when all of them are known, and filter T itself.
 
-// The depths of the knots rise from 0 to 1, and so does the share of the ray's absorption that is done. Each is stored as
-// the part of what the last one left to rise, in [0, 1]: so order is certain, and rounding is finest where much has been
-// passed already, behind a gap or a dense front.
+// The depths of the knots rise from 0 to 1, and so does the share of the ray's absorption that is done. Each is stored
+// as the part of what the last one left to rise, in [0, 1]: so order is certain, and rounding is finest where much has
+// been passed already, behind a gap or a dense front.
 float next_knot(float last, float stored)
 {
   return last + (1.0f - last) * stored;
