@@ -200,9 +200,6 @@ void fit_curve(std::span<const CurveVertex> vertices, std::span<std::uint8_t> te
     for (const CurveVertex &v : vertices) {
         relative.push_back({(v.z - low) / width, v.t});
     }
-    if (width <= 1e-12) { // one step: lines need two ends
-        relative = {{0.0, 1.0}, {0.0, end}, {1.0, end}};
-    }
     const Polygon polygon(std::move(relative));
     const Polygon thinned = without_needless(polygon);
     std::vector<std::size_t> chosen = simplify(thinned, CURVE_KNOTS + 2);
@@ -222,15 +219,9 @@ void fit_curve(std::span<const CurveVertex> vertices, std::span<std::uint8_t> te
     if (knots.size() > 2) {
         fit_values(polygon, knots);
     }
-    // The fit can turn the order of values, slightly.
-    double least = 1.0, lost = 0.0;
+    double lost = 0.0; // the fit can turn the order of values, slightly; levels cannot
     for (std::size_t j = 1; j + 1 < knots.size(); ++j) {
-        double most = end;
-        for (std::size_t k = j; k + 1 < knots.size(); ++k) {
-            most = std::max(most, knots[k].t);
-        }
-        least = std::min(least, knots[j].t);
-        values[j - 1] = level(lost, (1.0 - 0.5 * (least + most)) / fall);
+        values[j - 1] = level(lost, (1.0 - knots[j].t) / fall);
         lost = from_level(lost, values[j - 1]);
     }
     std::copy(depths.begin(), depths.end(), texel.begin() + HEAD_BYTES);

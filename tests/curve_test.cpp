@@ -81,8 +81,8 @@ TEST(Curve, HoldsThreeLayersExactly) {
 }
 
 TEST(Curve, IsCloseInSmoke) {
-    // measured: 0.0081; seven Fourier coefficients 0.026
-    EXPECT_LT(error_in_clouds(light), 0.0087);
+    // measured: 0.0076, and 0.0083 before the knots settle; seven Fourier coefficients 0.026
+    EXPECT_LT(error_in_clouds(light), 0.0080);
 }
 
 // exp(-4 z): the best nine straight pieces would be off by about 1.5e-3 at most.
