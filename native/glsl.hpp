@@ -18,6 +18,7 @@ using std::ceil;
 using std::clamp;
 using std::cos;
 using std::exp;
+using std::floor;
 using std::log;
 using std::max;
 using std::min;

@@ -164,4 +164,10 @@ py::array_t<Number> to_numpy(std::vector<Number> values, std::vector<py::ssize_t
     return py::array_t<Number>(std::move(shape), data, keep);
 }
 
+// The result keeps the caller's precision.
+inline py::object as_given(const py::array &given, const py::array_t<float> &result) {
+    return given.dtype().is(py::dtype::of<double>()) ? result.attr("astype")(py::dtype::of<double>())
+                                                     : py::object(result);
+}
+
 } // namespace sfumato::arguments

@@ -12,21 +12,13 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypedDict
 
+from bench_rows import Row
 from blender_run import ROOT, run_script
-
-
-class Row(TypedDict):
-    case: str
-    method: str
-    metric: str
-    error: float
-    seconds: float
-    bytes: int | None
 
 
 def seconds_at_error(rows: list[Row], error: float) -> float:
@@ -62,22 +54,40 @@ def against_cycles() -> tuple[list[Row], list[str]]:
     return rows, [f"Cycles needs {rival:.3g} s for sfumato's error: sfumato is {speed_up:.3g} times as fast"]
 
 
-SUBJECTS: dict[str, Callable[[], tuple[list[Row], list[str]]]] = {
+def light_maps() -> tuple[Sequence[Row], list[str]]:
+    """Ways to store a light ray, and rivals, on seeded profiles and on the plume's rays."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_light_maps import light_rays  # needs the module, which Blender's side of the benchmark does not
+
+    return light_rays()
+
+
+SUBJECTS: dict[str, Callable[[], tuple[Sequence[Row], list[str]]]] = {
     "cycles": against_cycles,
+    "lightmaps": light_maps,
 }
 
 
-def table(rows: list[Row]) -> str:
-    """The rows as text, one metric named above each group of them."""
+COLUMNS = ("error", "seconds", "bytes")
+
+
+def table(rows: Sequence[Row]) -> str:
+    """The rows as text, one metric named above each group of them; what only some subjects measure comes last."""
     lines: list[str] = []
     metric = ""
     for row in rows:
+        numbers = {name: value for name, value in row.items() if name not in ("case", "method", "metric")}
+        names = [*COLUMNS, *(name for name in numbers if name not in COLUMNS)]
         if row["metric"] != metric:
             metric = row["metric"]
-            lines += [f"error: {metric}", f"{'case':12} {'method':16} {'error':>10} {'seconds':>10} {'bytes':>12}"]
-        size = "-" if row["bytes"] is None else str(row["bytes"])
-        lines.append(f"{row['case']:12} {row['method']:16} {row['error']:10.5f} {row['seconds']:10.4f} {size:>12}")
+            lines += [f"error: {metric}", f"{'case':12} {'method':16} " + " ".join(f"{name:>12}" for name in names)]
+        cells = " ".join(f"{cell(numbers[name]):>12}" for name in names)
+        lines.append(f"{row['case']:12} {row['method']:16} {cells}")
     return "\n".join(lines)
+
+
+def cell(value: object) -> str:
+    return "-" if value is None else f"{value:.5f}" if isinstance(value, float) else str(value)
 
 
 def main() -> None:

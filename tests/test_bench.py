@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from bench import Row, seconds_at_error
+from bench import seconds_at_error, table
+from bench_rows import RayRow, Row
 
 
 def noisy_rows(samples: list[int]) -> list[Row]:
@@ -27,3 +28,35 @@ def test_nothing_is_cheaper_than_the_cheapest_row() -> None:
 def test_zero_error_is_refused() -> None:
     with pytest.raises(ValueError, match="error must be positive, got 0"):
         seconds_at_error(noisy_rows([1]), 0.0)
+
+
+def test_table_has_a_column_for_each_number() -> None:
+    row = RayRow(
+        case="smoke",
+        method="fourier",
+        metric="RMSE",
+        error=0.026,
+        seconds=0.5,
+        bytes=None,
+        coefficients=7,
+        max_error=0.25,
+        violations=3,
+        swing=0.05,
+        growth=0.02,
+        outlier=0.9,
+    )
+    metric, names, numbers = table([row]).splitlines()
+    assert metric == "error: RMSE"
+    assert dict(zip(names.split(), numbers.split())) == {
+        "case": "smoke",
+        "method": "fourier",
+        "error": "0.02600",
+        "seconds": "0.50000",
+        "bytes": "-",
+        "coefficients": "7",
+        "max_error": "0.25000",
+        "violations": "3",
+        "swing": "0.05000",
+        "growth": "0.02000",
+        "outlier": "0.90000",
+    }

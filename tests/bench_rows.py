@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every subject of the benchmark measures."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+
+class Row(TypedDict):
+    case: str
+    method: str
+    metric: str
+    error: float
+    seconds: float
+    bytes: int | None
+
+
+class RayRow(Row):
+    """One way to store light rays. The last three belong to the method, whatever the case."""
+
+    coefficients: int
+    max_error: float
+    violations: int  # receivers with T > 1.001, and steps to the next receiver that gain more than 1e-3
+    swing: float  # of T over 32 translations
+    growth: float  # RMS change of T when the map's depth bounds grow by 10 %
+    outlier: float  # RMSE with one outlier among 48 particles, over that without
