@@ -6,7 +6,6 @@ from __future__ import annotations
 import doctest
 import inspect
 import threading
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -458,8 +457,8 @@ def heavy_frame() -> Frame:
     )
 
 
-def beats_during(work: Callable[[], Any]) -> tuple[int, float]:
-    """How often another thread gets to run Python while `work` runs, and how long that takes."""
+def beats_during(work: Callable[[], Any]) -> int:
+    """How often another thread gets to run Python while `work` runs."""
     beats, stop = [0], threading.Event()
 
     def beat() -> None:
@@ -469,10 +468,8 @@ def beats_during(work: Callable[[], Any]) -> tuple[int, float]:
     thread = threading.Thread(target=beat)
     thread.start()
     try:
-        start = time.perf_counter()
         work()
-        seconds = time.perf_counter() - start
-        return beats[0], seconds
+        return beats[0]
     finally:
         stop.set()
         thread.join()
@@ -492,10 +489,9 @@ HEAVY: dict[str, Callable[[], Callable[[], Any]]] = {
 @pytest.mark.parametrize("name", HEAVY)
 def test_other_threads_run_meanwhile(name: str) -> None:
     work = HEAVY[name]()
-    beats, seconds = beats_during(work)
-    # With the lock held there would be none but at the ends. A busy machine may steal many, though not nearly all.
-    assert seconds > 0.02, "too quick to tell"
-    assert beats >= max(4, seconds / 0.05), f"{beats} beats in {seconds:.3f} s"
+    # With the lock held the other thread runs at both ends at most. A busy machine may steal a whole run from it, so it
+    # has several chances; no clock decides.
+    assert any(beats_during(work) >= 3 for _ in range(20))
 
 
 def test_progress_is_reported_from_any_thread() -> None:
