@@ -491,7 +491,7 @@ def test_other_threads_run_meanwhile(name: str) -> None:
     work = HEAVY[name]()
     # With the lock held the other thread runs at both ends at most. A busy machine may steal a whole run from it, so it
     # has several chances; no clock decides.
-    assert any(beats_during(work) >= 3 for _ in range(20))
+    assert any(beats_during(work) >= 6 for _ in range(20))
 
 
 def test_progress_is_reported_from_any_thread() -> None:
