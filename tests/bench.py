@@ -55,7 +55,7 @@ def against_cycles() -> tuple[list[Row], list[str]]:
 
 
 def light_maps() -> tuple[Sequence[Row], list[str]]:
-    """Ways to store a light ray, and rivals, on seeded profiles and on the plume's rays."""
+    """Ways to store a light ray, and rivals, on seeded profiles and on real frames."""
     sys.path.insert(0, str(ROOT / "build" / "python"))
     from bench_light_maps import light_rays  # needs the module, which Blender's side of the benchmark does not
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light rays to measure with: seeded profiles, and those of a real plume. All draws are from named seeds."""
+"""Light rays to measure with: seeded profiles, and those of real frames. All draws are from named seeds."""
 
 from __future__ import annotations
 
@@ -12,7 +12,14 @@ import sfumato
 ROOT = Path(__file__).resolve().parents[1]
 RECEIVERS = (np.arange(65) + 0.37) / 65
 SEEDED = ("smoke", "sheets", "layer", "layers", "hair", "outlier", "dense")
-EXTINCTION = 12.0  # of the sample's material, per metre and unit density
+# Real frames: the file, and the extinction per metre and unit density. The plume's is its material's; the others are as
+# dense as makes their thickest rays some ten optical depths, and the wisp thin.
+FRAMES = {
+    "plume": ("plume_cache/data/fluid_data_0025.vdb", 12.0),
+    "fire": ("frames/fire.vdb", 12.0),
+    "collision": ("frames/collision.vdb", 12.0),
+    "wisp": ("frames/wisp.vdb", 6.0),
+}
 
 
 @dataclass(frozen=True)
@@ -90,9 +97,10 @@ def translations(scale: float = 1.0, steps: int = 32) -> list[Rays]:
     return [flat((depth + s) / scale, alpha, (receivers + s) / scale) for s in shifts]
 
 
-def plume(direction: tuple[float, float, float], side: int = 24, slabs: int = 128) -> Rays:
-    """Rays of a sun through the sample's plume in slabs, receivers between each ray's first and last smoke."""
-    density, to_object = sfumato.read_volume(str(ROOT / "blend_samples/plume_cache/data/fluid_data_0025.vdb"))
+def smoke_frame(case: str, direction: tuple[float, float, float], side: int = 24, slabs: int = 128) -> Rays:
+    """Rays of a sun through a real frame in slabs, receivers between each ray's first and last smoke."""
+    file, extinction = FRAMES[case]
+    density, to_object = sfumato.read_volume(str(ROOT / "blend_samples" / file))
     scene = sfumato.Scene()
     scene.set_medium(density, to_object, scattering=(1, 1, 1), absorption=(0, 0, 0))
     along = np.array(direction) / np.linalg.norm(direction)
@@ -111,13 +119,13 @@ def plume(direction: tuple[float, float, float], side: int = 24, slabs: int = 12
     texel = (np.arange(side) + 0.5) / side
     xy = np.stack(np.meshgrid(texel, texel), -1).reshape(-1, 2)
     edges = world(xy, np.broadcast_to(np.linspace(0, 1, slabs + 1), (side * side, slabs + 1)))
-    tau = EXTINCTION * sfumato.reference.column(scene, edges[:, :-1], edges[:, 1:])
+    tau = extinction * sfumato.reference.column(scene, edges[:, :-1], edges[:, 1:])
     hit = tau.sum(1) > 0.01
     xy, tau = xy[hit], tau[hit]
     smoke = tau > 1e-6 * tau.sum(1, keepdims=True)
     first, last = smoke.argmax(1) / slabs, 1.0 - smoke[:, ::-1].argmax(1) / slabs
     receivers = first[:, None] + (last - first)[:, None] * RECEIVERS
     start = np.broadcast_to(world(xy, np.zeros((len(xy), 1))), (*receivers.shape, 3))
-    exact = np.exp(-EXTINCTION * sfumato.reference.column(scene, start, world(xy, receivers)))
+    exact = np.exp(-extinction * sfumato.reference.column(scene, start, world(xy, receivers)))
     depth = np.broadcast_to((np.arange(slabs) + 0.5) / slabs, tau.shape)
     return Rays(np.ascontiguousarray(depth), tau, receivers, exact, 1.0 / slabs)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sfumato
 from bench_light_maps import METHODS, SUN, TARGETS, growth, rmse, swing, violations
-from light_rays import SEEDED, Rays, plume, seeded, without_outlier
+from light_rays import FRAMES, SEEDED, Rays, seeded, smoke_frame, without_outlier
 
 # RMSE of T x1000 that the reference text gives for rivals (its [C] figures), in the order of SEEDED.
 PUBLISHED = {
@@ -29,7 +29,7 @@ def all_cases() -> dict[str, Rays]:
 
 @pytest.fixture(scope="module", name="plumes")
 def two_plumes() -> list[Rays]:
-    return [plume(SUN), plume((1.0, 0.0, 0.0))]
+    return [smoke_frame("plume", SUN), smoke_frame("plume", (1.0, 0.0, 0.0))]
 
 
 @pytest.mark.parametrize("method", PUBLISHED)
@@ -54,6 +54,14 @@ def test_plume_is_a_fifth_of_fourier_and_a_sixth_of_slices(plumes: list[Rays], d
         error = rmse(METHODS[method].method, rays)
         assert error <= rmse(METHODS["fourier"].method, rays) / 5
         assert error <= rmse(METHODS["piecewise"].method, rays) / 6
+
+
+@pytest.mark.parametrize("case", FRAMES)
+def test_real_frames_are_a_fifth_of_fourier_and_a_sixth_of_slices(case: str) -> None:
+    rays = smoke_frame(case, SUN)
+    error = rmse(METHODS["auto"].method, rays)
+    assert error <= rmse(METHODS["fourier"].method, rays) / 5
+    assert error <= rmse(METHODS["piecewise"].method, rays) / 6
 
 
 def test_light_does_not_swing_nor_hang_on_the_bounds() -> None:
