@@ -24,18 +24,17 @@ class SfumatoEngine(bpy.types.RenderEngine):
         settings = depsgraph.scene
         size = image_size(settings.render)
         try:
-            native = core.module()
-            export = scene.export(depsgraph)
-            log.replace("render", export.notices)
             camera = camera_of(settings, depsgraph)
             if camera is None:
                 self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
                 return
-            quality = props.QUALITIES[settings.sfumato.quality]
-            frame = native.Frame(export.scene, **quality.frame)
+            frame = scene.frame_of(depsgraph, "render")
             window, offset, extent = border_of(settings.render, size)
             image = frame.render(
-                native.Camera(window @ camera), *extent, edge_samples=quality.edge_samples, progress=self.go_on
+                core.module().Camera(window @ camera),
+                *extent,
+                edge_samples=props.QUALITIES[props.of(settings).quality].edge_samples,
+                progress=self.go_on,
             )
         except (core.Missing, ValueError, RuntimeError) as error:
             self.report({"ERROR"}, str(error))
@@ -51,10 +50,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
     def view_update(self, context: Any, depsgraph: Any) -> None:
         self.view_frame = None
         try:
-            export = scene.export(depsgraph)
-            quality = props.QUALITIES[depsgraph.scene.sfumato.quality]
-            self.view_frame = core.module().Frame(export.scene, **quality.frame)
-            log.replace("view", export.notices)
+            self.view_frame = scene.frame_of(depsgraph, "view")
         except (core.Missing, ValueError, RuntimeError) as error:
             log.replace("view", [str(error)])
 
@@ -62,7 +58,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
         if self.view_frame is None:
             return
         try:
-            viewport.draw_rendered(self, context, depsgraph, self.view_frame)
+            viewport.draw_rendered(context, depsgraph, self.view_frame)
         except Exception as error:  # anything raised here would come back with every redraw
             self.view_frame = None
             log.replace("view", [f"The view cannot be drawn: {type(error).__name__}: {error}"])

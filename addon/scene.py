@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import compat, core, materials, smoke
+from . import compat, core, log, materials, props, smoke
 
 # Above this the sun's disk blurs the shadow of smoke by more than a twentieth of its distance; below, by little more than
 # the smoke's own cells do.
@@ -57,6 +57,16 @@ def export(depsgraph: Any) -> Export:
     set_medium(out, media)
     out.scene.set_background(materials.background(depsgraph.scene, out.notices))
     return out
+
+
+def frame_of(depsgraph: Any, source: str) -> Any:
+    """The native Frame of what `depsgraph` shows, in the scene's quality; its notices go to the log under `source`.
+
+    Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses.
+    """
+    out = export(depsgraph)
+    log.replace(source, out.notices)
+    return core.module().Frame(out.scene, **props.QUALITIES[props.of(depsgraph.scene).quality].frame)
 
 
 def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> None:

@@ -35,22 +35,23 @@ def domain_settings(thing: Any) -> Any | None:
 
 def medium_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: list[str]) -> Medium | None:
     """The smoke of an object at this frame, None if it is not smoke. Raises ValueError for smoke that is not there."""
-    if thing.type != "VOLUME" and domain_settings(thing) is None:
+    settings = None if thing.type == "VOLUME" else domain_settings(thing)
+    if thing.type != "VOLUME" and settings is None:
         return None
-    if abs(float(np.linalg.det(matrix[:3, :3]))) < 1e-12:
+    room = abs(float(np.linalg.det(matrix[:3, :3])))
+    if room < 1e-12:
         raise ValueError(f"its scale {np.linalg.norm(matrix[:3, :3], axis=0).tolist()} leaves the smoke no room")
-    if thing.type == "VOLUME":
+    if settings is None:
         density, grid_to_object = volume_grid(thing.data)
     else:
-        density, grid_to_object = domain_grid(domain_settings(thing), depsgraph.scene.frame_current)
+        density, grid_to_object = domain_grid(settings, depsgraph.scene.frame_current)
     if not np.isfinite(density).all():
         raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
     scattering, absorption, anisotropy = materials.cross_sections(thing, notices)
     if thing.type == "VOLUME" and thing.data.render.space == "OBJECT":
         # A volume's density is per unit of the object's own space, a domain's per metre.
-        scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
-        if scale > 0.0:
-            scattering, absorption = scattering / scale, absorption / scale
+        scale = room ** (1.0 / 3.0)
+        scattering, absorption = scattering / scale, absorption / scale
     return Medium(density, matrix @ grid_to_object, scattering, absorption, anisotropy)
 
 

@@ -17,13 +17,17 @@ EEVEE = {"BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
 EEVEE_CONTEXTS = {"data", "world", "material"}
 
 
+def draw_wrapped(layout: Any, text: str, letters: int, icon: str) -> None:
+    """A text over as many lines as it takes, with an icon at the first."""
+    for index, part in enumerate(textwrap.wrap(text, letters)):
+        layout.label(text=part, icon=icon if index == 0 else "BLANK1")
+
+
 def draw_notices(layout: Any, width: int) -> None:
     """What cannot be shown and why, wrapped to `width` pixels."""
     lines = [problem] if (problem := core.problem()) else log.notices()
     for line in lines:
-        box = layout.box().column(align=True)
-        for index, part in enumerate(textwrap.wrap(line, max(20, width // 8))):
-            box.label(text=part, icon="INFO" if index == 0 else "BLANK1")
+        draw_wrapped(layout.box().column(align=True), line, max(20, width // 8), "INFO")
 
 
 class SfumatoViewportPanel(bpy.types.Panel):
@@ -70,8 +74,7 @@ class SfumatoPreferences(bpy.types.AddonPreferences):
     def draw(self, context: Any) -> None:
         problem = core.problem()
         if problem:
-            for index, part in enumerate(textwrap.wrap(problem, 90)):
-                self.layout.label(text=part, icon="ERROR" if index == 0 else "BLANK1")
+            draw_wrapped(self.layout, problem, 90, "ERROR")
         else:
             self.layout.label(text=f"Ready, using {core.module().instruction_set} instructions", icon="CHECKMARK")
 

@@ -323,9 +323,7 @@ def _look(context: bpy.types.Context, **kind: bool) -> Look:
 # The Rendered view --------------------------------------------------------------------------------------------------
 
 
-def draw_rendered(
-    engine: bpy.types.RenderEngine, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, frame: Any
-) -> None:
+def draw_rendered(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, frame: Any) -> None:
     """Draw `frame`, a sfumato.Frame, as RenderEngine.view_draw should: scene-linear, Blender transforms it afterwards."""
     picture = painter().picture(context.region.as_pointer(), frame, _look(context))
     transparent = depsgraph.scene_eval.render.film_transparent
@@ -390,10 +388,7 @@ class _Overlay:
         key = (context.scene.as_pointer(), context.view_layer.name, props.of(context.scene).quality)
         if self.dirty or key != self._frame_key:
             self.dirty, self._frame_key, self._frame = False, key, None  # a failure waits for the next change
-            export = scene.export(context.evaluated_depsgraph_get())
-            quality = props.QUALITIES[props.of(context.scene).quality]
-            self._frame = core.module().Frame(export.scene, **quality.frame)
-            log.replace("viewport", export.notices)
+            self._frame = scene.frame_of(context.evaluated_depsgraph_get(), "viewport")
         return self._frame
 
     @contextlib.contextmanager

@@ -15,17 +15,20 @@ struct Cell {
     Real x, y, z;
 };
 
+// The sample below a position among `size` of them, counted from the first one's centre, and how far above it the
+// position lies. Outside, the outermost samples answer.
+inline Index split(Real position, int size, Real &fraction) {
+    const Real inside = clamp(position, 0.0F, static_cast<float>(size - 1));
+    const Real whole = min(floor(inside), static_cast<float>(size - 2));
+    fraction = inside - whole;
+    return truncate(whole);
+}
+
 inline Cell locate(const GridView &grid, const vec3 &p) {
-    const auto split = [](Real coordinate, int size, Real &fraction) {
-        const Real shifted = clamp(coordinate - 0.5F, 0.0F, static_cast<float>(size - 1));
-        const Real whole = min(floor(shifted), static_cast<float>(size - 2));
-        fraction = shifted - whole;
-        return truncate(whole);
-    };
     Cell cell;
-    const Index i = split(p.x, grid.nx, cell.x);
-    const Index j = split(p.y, grid.ny, cell.y);
-    const Index k = split(p.z, grid.nz, cell.z);
+    const Index i = split(p.x - 0.5F, grid.nx, cell.x);
+    const Index j = split(p.y - 0.5F, grid.ny, cell.y);
+    const Index k = split(p.z - 0.5F, grid.nz, cell.z);
     cell.first = ((k * Index(grid.ny) + j) * Index(grid.nx) + i) * Index(grid.channels);
     return cell;
 }
@@ -64,14 +67,9 @@ inline Real bilinear(const Texels &texels, const Real values[4]) {
 }
 
 inline Texels locate(const LightMapView &map, Real x, Real y) {
-    const auto split = [](Real coordinate, int size, Real &fraction) {
-        const Real shifted = clamp(coordinate * static_cast<float>(size) - 0.5F, 0.0F, static_cast<float>(size - 1));
-        const Real whole = min(floor(shifted), static_cast<float>(size - 2));
-        fraction = shifted - whole;
-        return truncate(whole);
-    };
     Texels texels;
-    const Index i = split(x, map.width, texels.x), j = split(y, map.height, texels.y);
+    const Index i = split(x * static_cast<float>(map.width) - 0.5F, map.width, texels.x);
+    const Index j = split(y * static_cast<float>(map.height) - 0.5F, map.height, texels.y);
     texels.at[0] = j * Index(map.width) + i;
     texels.at[1] = texels.at[0] + Index(1);
     texels.at[2] = texels.at[0] + Index(map.width);

@@ -145,15 +145,26 @@ TEST(Curve, OfNothingIsLight) {
     }
 }
 
-TEST(Choice, IsTheSameEachTimeAndNamesItsReason) {
+std::vector<Profile> clouds() {
     std::vector<Profile> rays;
-    std::vector<Absorbers> sample;
     for (unsigned seed = 0; seed < 24; ++seed) {
         rays.push_back(cloud(seed));
     }
+    return rays;
+}
+
+// Views of the rays, which must outlive them.
+std::vector<Absorbers> absorbers_of(const std::vector<Profile> &rays) {
+    std::vector<Absorbers> sample;
     for (const Profile &ray : rays) {
         sample.push_back(ray.absorbers());
     }
+    return sample;
+}
+
+TEST(Choice, IsTheSameEachTimeAndNamesItsReason) {
+    const auto rays = clouds();
+    const auto sample = absorbers_of(rays);
     const Choice best = choose_basis(sample, 20, false), series = choose_basis(sample, 20, true);
     EXPECT_TRUE(best.curve);
     EXPECT_FALSE(series.curve);
@@ -167,14 +178,8 @@ TEST(Choice, IsTheSameEachTimeAndNamesItsReason) {
 
 // What comes back from bytes is what was measured.
 TEST(Choice, StoresAsItWasJudged) {
-    std::vector<Profile> rays;
-    std::vector<Absorbers> sample;
-    for (unsigned seed = 0; seed < 24; ++seed) {
-        rays.push_back(cloud(seed));
-    }
-    for (const Profile &ray : rays) {
-        sample.push_back(ray.absorbers());
-    }
+    const auto rays = clouds();
+    const auto sample = absorbers_of(rays);
     const Choice choice = choose_basis(sample, 20, true);
     const double error = error_in_clouds([&](const Profile &ray, const std::vector<float> &depths) {
         std::vector<std::uint8_t> texel(choice.bytes());
