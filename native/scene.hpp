@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
@@ -35,16 +34,31 @@ struct Medium {
     float anisotropy = 0.0F;    // g of Henyey and Greenstein (1941), in (-1, 1)
 };
 
-struct Sun {
-    glm::vec3 direction{0.0F, 0.0F, -1.0F}; // the way the light travels, unit length
-    glm::vec3 irradiance{1.0F};             // W/m^2 on a surface that faces the sun
-    float angle = 0.0F;                     // angular diameter, radians
+// A light as Cycles models it: uniform over its extent. What `strength` means depends on the kind.
+struct Light {
+    enum class Kind : std::uint8_t {
+        SUN,    // far away; strength: irradiance on a surface that faces it, W/m^2
+        SPHERE, // a point with a radius, and a spot when its cone is narrower than everything; radiant intensity, W/sr
+        RECTANGLE, // one-sided, shines along `direction`; radiance, W/(m^2 sr), where it is brightest
+        ELLIPSE    // the same, inscribed in the rectangle
+    };
+    Kind kind = Kind::SUN;
+    glm::vec3 strength{1.0F};
+    glm::vec3 direction{0.0F, 0.0F, -1.0F}; // the way the light travels, unit length; of a sphere, its cone's axis
+    glm::vec3 position{0.0F};               // of the centre; not a sun's
+    glm::vec3 across{0.5F, 0.0F, 0.0F};     // half axes of rectangles and ellipses, at right angles to each other and
+    glm::vec3 up{0.0F, 0.5F, 0.0F};         // to the direction
+    float angle = 0.0F;                     // of a sun: angular diameter, radians
+    float radius = 0.0F;                    // of a sphere
+    float cone = 6.2831853F;   // of a sphere: the whole angle of its cone, radians; from 2 pi on it is none
+    float blend = 0.0F;        // of a sphere: the share of the cone's 1 - cos(angle) over which it fades in
+    float spread = 3.1415927F; // of rectangles and ellipses: the whole angle that they shine into, radians
 };
 
 struct Scene {
     std::vector<Mesh> meshes;
-    std::optional<Medium> medium;
-    std::optional<Sun> sun;
+    std::vector<Medium> media; // where they overlap, their densities add
+    std::vector<Light> lights;
     glm::vec3 background{0.0F}; // radiance where no surface is; it lights nothing
 };
 
