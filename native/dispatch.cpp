@@ -9,7 +9,7 @@
     void project_row(const ProjectRow &);                                                                              \
     void light_slice(const LightSlice &);                                                                              \
     void look_up(const LightMapView &, const float *, float *, int);                                                   \
-    void trace(const FrameView &, const Packet &, Light &);                                                            \
+    void trace(const FrameView &, Output, const Packet &, Traced &);                                                   \
     }
 
 SFUMATO_DECLARE(baseline)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where in a pixel, and where on the sun's disk, samples fall.
+// Where in a pixel, and where on the lights, samples fall.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 namespace sfumato {
 
 struct FilmSample {
-    float x, y;         // pixels from the pixel's centre, distributed as the filter
-    float sun_x, sun_y; // in the unit disk, uniform
+    float x, y;             // pixels from the pixel's centre, distributed as the filter
+    float light_u, light_v; // in [0, 1]^2, uniform: where on every light
 };
 
 // `count` well spread samples, for a pixel whose neighbours in a 4 x 4 tile take the other values of `turn`.

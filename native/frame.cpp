@@ -37,21 +37,22 @@ struct Image {
 };
 
 // The first look: every pixel once, through its centre.
-void trace_row(const Kernels &with, const FrameView &view, const std::vector<FilmSample> &turns, Image &image, int y) {
+void trace_row(const Kernels &with, const FrameView &view, Output output, const std::vector<FilmSample> &turns,
+               Image &image, int y) {
     const int lanes = with.lanes;
     Packet packet;
-    Light light;
+    Traced light;
     for (int x0 = 0; x0 < image.width; x0 += lanes) {
         for (int lane = 0; lane < lanes; ++lane) {
             const int x = x0 + lane;
             const FilmSample &turn = turns[static_cast<std::size_t>(film_turn(x, y)) % turns.size()];
             packet.u[lane] = (static_cast<float>(x) + 0.5F) / static_cast<float>(image.width);
             packet.v[lane] = (static_cast<float>(y) + 0.5F) / static_cast<float>(image.height);
-            packet.sun_x[lane] = turn.sun_x;
-            packet.sun_y[lane] = turn.sun_y;
+            packet.light_u[lane] = turn.light_u;
+            packet.light_v[lane] = turn.light_v;
             packet.active[lane] = x < image.width ? 1.0F : 0.0F;
         }
-        with.trace(view, packet, light);
+        with.trace(view, output, packet, light);
         for (int lane = 0; lane < lanes && x0 + lane < image.width; ++lane) {
             const std::size_t pixel = image.at(x0 + lane, y);
             float *rgba = image.rgba.data() + 4 * pixel;
@@ -98,7 +99,7 @@ void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<
     const int lanes = with.lanes;
     const auto count = static_cast<int>(samples.size());
     Packet packet;
-    Light light;
+    Traced light;
     std::array<double, 4> sum{};
     for (int first = 0; first < count; first += lanes) {
         for (int lane = 0; lane < lanes; ++lane) {
@@ -106,11 +107,11 @@ void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<
             const FilmSample &s = samples[static_cast<std::size_t>(active ? first + lane : first)];
             packet.u[lane] = (static_cast<float>(x) + 0.5F + s.x) / static_cast<float>(image.width);
             packet.v[lane] = (static_cast<float>(y) + 0.5F + s.y) / static_cast<float>(image.height);
-            packet.sun_x[lane] = s.sun_x;
-            packet.sun_y[lane] = s.sun_y;
+            packet.light_u[lane] = s.light_u;
+            packet.light_v[lane] = s.light_v;
             packet.active[lane] = active ? 1.0F : 0.0F;
         }
-        with.trace(view, packet, light);
+        with.trace(view, Output::PICTURE, packet, light);
         for (int lane = 0; lane < lanes && first + lane < count; ++lane) {
             for (std::size_t c = 0; c < 3; ++c) {
                 sum[c] += static_cast<double>(light.radiance[c][lane]);
@@ -137,68 +138,52 @@ bool in_chunks(int count, double done, double share, const Progress &progress, c
     return true;
 }
 
+std::vector<CroppedMedium> cropped(std::span<const Medium> media) {
+    std::vector<CroppedMedium> out;
+    for (const Medium &medium : media) {
+        CroppedMedium smoke = crop(medium);
+        if (!smoke.empty()) {
+            out.push_back(std::move(smoke));
+        }
+    }
+    return out;
+}
+
 } // namespace
 
 Frame::Frame(const Scene &scene, const FrameSettings &settings, const Kernels &with)
-    : kernels_(&with), surfaces_(scene.meshes), sun_(scene.sun), background_(scene.background) {
-    if (!scene.medium) {
-        return;
-    }
-    medium_ = crop(*scene.medium);
-    if (medium_.empty()) {
-        return;
-    }
-    step_length_ = 1.0 / settings.steps_per_cell;
-    if (sun_) {
-        light_map_ =
-            build_light_map(medium_, *sun_, surfaces_.view(), settings.coefficients, settings.texels_per_cell, with);
-        light_medium(medium_, *light_map_, with);
-    }
-}
+    : kernels_(&with), surfaces_(scene.meshes), step_length_(1.0 / settings.steps_per_cell),
+      media_(cropped(scene.media)),
+      grey_(std::all_of(media_.begin(), media_.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
+      lighting_(scene.lights, media_, surfaces_.view(),
+                {{settings.coefficients, settings.texels_per_cell}, settings.light_samples}, grey_, with),
+      background_(scene.background) {}
 
-FrameView Frame::view(const Camera &camera) const {
+FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) const {
     FrameView view;
     for (std::size_t i = 0; i < 3; ++i) {
         view.camera[i] = camera.near[i];
         view.camera[3 + i] = camera.far[i];
     }
     view.surfaces = surfaces_.view();
+    view.lights = lighting_.views();
+    view.media = media;
+    view.grey = grey_;
     view.background = background_;
-    if (sun_) {
-        const glm::dmat3 axes = light_axes(*sun_);
-        const double radius = std::tan(0.5 * static_cast<double>(sun_->angle));
-        view.sun = {true, glm::vec3(-axes[2]), glm::vec3(axes[0] * radius), glm::vec3(axes[1] * radius),
-                    sun_->irradiance};
-    }
-    if (!medium_.empty()) {
-        MediumView &m = view.medium;
-        m.present = true;
-        m.grey = medium_.grey();
-        m.lit = medium_.grid();
-        m.clearance = medium_.clearances();
-        m.world_to_grid = affine(glm::inverse(medium_.grid_to_world));
-        m.anisotropy = medium_.anisotropy;
-        m.step_length = static_cast<float>(step_length_);
-        for (int c = 0; c < 3; ++c) {
-            m.extinction[c] = medium_.extinction[c];
-            m.albedo[c] = medium_.albedo[c];
-        }
-    }
-    if (light_map_) {
-        view.map = light_map_->view();
-    }
     return view;
 }
 
 std::optional<std::vector<float>> Frame::render(const Camera &camera, int width, int height, int edge_samples,
                                                 const Progress &progress) const {
-    const FrameView frame = view(camera);
+    const std::vector<MediumView> media = views_of(media_, step_length_);
+    const FrameView frame = view(camera, media);
     Image image(width, height);
     // One turn for each pixel of a tile, so that a penumbra shows itself as a disagreement of neighbours.
     const bool refine = edge_samples > 1;
     const std::vector<FilmSample> turns =
-        refine ? film_samples(FILM_TURNS, 0) : std::vector<FilmSample>{{0.0F, 0.0F, 0.0F, 0.0F}};
-    if (!in_chunks(height, 0.0, 0.5, progress, [&](int y) { trace_row(*kernels_, frame, turns, image, y); })) {
+        refine ? film_samples(FILM_TURNS, 0) : std::vector<FilmSample>{{0.0F, 0.0F, 0.5F, 0.5F}};
+    if (!in_chunks(height, 0.0, 0.5, progress,
+                   [&](int y) { trace_row(*kernels_, frame, Output::PICTURE, turns, image, y); })) {
         return std::nullopt;
     }
     if (refine) {
@@ -228,14 +213,13 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
     return std::move(image.rgba);
 }
 
-std::vector<float> Frame::surfaces(const Camera &camera, int width, int height, bool lit) const {
-    FrameView frame = view(camera);
-    frame.smoke = false;
-    frame.lit = lit;
+std::vector<float> Frame::surfaces(const Camera &camera, int width, int height, Output output) const {
+    const std::vector<MediumView> media = views_of(media_, step_length_);
+    const FrameView frame = view(camera, media);
     Image image(width, height);
-    const std::vector<FilmSample> centre{{0.0F, 0.0F, 0.0F, 0.0F}};
+    const std::vector<FilmSample> centre{{0.0F, 0.0F, 0.5F, 0.5F}};
     oneapi::tbb::parallel_for(0, height, [&](int y) {
-        trace_row(*kernels_, frame, centre, image, y);
+        trace_row(*kernels_, frame, output, centre, image, y);
         for (std::size_t pixel = image.at(0, y); pixel < image.at(0, y + 1); ++pixel) {
             image.rgba[4 * pixel + 3] = image.distance[pixel];
         }
@@ -243,17 +227,27 @@ std::vector<float> Frame::surfaces(const Camera &camera, int width, int height, 
     return std::move(image.rgba);
 }
 
-void Frame::transmittance(std::span<const float> points, std::span<float> rgb) const {
-    std::fill(rgb.begin(), rgb.end(), 1.0F);
-    if (!light_map_) {
-        return;
-    }
-    std::vector<float> columns(points.size() / 3);
-    light_map_->look_up(points, columns);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-        for (int c = 0; c < 3; ++c) {
-            rgb[3 * i + static_cast<std::size_t>(c)] = glsl::transmittance_of(columns[i] * medium_.extinction[c]);
+void Frame::transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const {
+    std::vector<float> columns(points.size() / 3), depth(points.size()), sum(points.size(), 0.0F);
+    const std::size_t samples = lighting_.views()[light].samples.size();
+    for (std::size_t j = 0; j < samples; ++j) {
+        std::fill(depth.begin(), depth.end(), 0.0F);
+        for (std::size_t m = 0; m < media_.size(); ++m) {
+            const LightMap *const map = lighting_.map(light, j, m);
+            if (map == nullptr) {
+                continue;
+            }
+            map->look_up(points, columns);
+            for (std::size_t i = 0; i < depth.size(); ++i) {
+                depth[i] += columns[i / 3] * media_[m].extinction[static_cast<int>(i % 3)];
+            }
         }
+        for (std::size_t i = 0; i < depth.size(); ++i) {
+            sum[i] += glsl::transmittance_of(depth[i]);
+        }
+    }
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+        rgb[i] = sum[i] / static_cast<float>(samples);
     }
 }
 

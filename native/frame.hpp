@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A frame on the CPU: light map, surfaces, smoke, film. A stage that the scene does not need does not run.
+// A frame on the CPU: light maps, surfaces, smoke, film. A stage that the scene does not need does not run.
 #pragma once
 
-#include "light_map.hpp"
+#include "lighting.hpp"
 #include "medium.hpp"
 #include "scene.hpp"
 #include "surfaces.hpp"
@@ -18,6 +18,7 @@ struct FrameSettings {
     int coefficients = 31;        // of the light map; the paper's own maps have 7
     double texels_per_cell = 1.0; // resolution of the light map against the medium's grid
     double steps_per_cell = 1.0;  // of the march along view rays
+    int light_samples = 16;       // at most, of a light that is large enough to blur the smoke's shadow
 };
 
 // Called between parts of the work with the share that is done; false stops it.
@@ -33,27 +34,27 @@ public:
     [[nodiscard]] std::optional<std::vector<float>> render(const Camera &camera, int width, int height,
                                                            int edge_samples, const Progress &progress) const;
 
-    // What a GPU needs of the surfaces, one ray a pixel and no smoke: RGB, and the distance to the first surface.
-    // RGB is the radiance, or, unlit, the cosine of the sun's angle, in red times the visibility of the sun.
-    [[nodiscard]] std::vector<float> surfaces(const Camera &camera, int width, int height, bool lit) const;
+    // What a GPU needs of the surfaces, one ray a pixel: RGB, and the distance to the first surface. RGB is what
+    // `output` says, anything but PICTURE.
+    [[nodiscard]] std::vector<float> surfaces(const Camera &camera, int width, int height, Output output) const;
 
-    // RGB of the share of sunlight that the smoke lets through to each of `points` (x, y, z in turn).
-    void transmittance(std::span<const float> points, std::span<float> rgb) const;
+    // RGB of the share of a light that the smoke lets through to each of `points` (x, y, z in turn).
+    void transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const;
 
-    [[nodiscard]] const CroppedMedium &medium() const { return medium_; }
-    [[nodiscard]] const std::optional<LightMap> &light_map() const { return light_map_; }
-    [[nodiscard]] const std::optional<Sun> &sun() const { return sun_; }
-    [[nodiscard]] double step_length() const { return step_length_; }
+    [[nodiscard]] std::span<const CroppedMedium> media() const { return media_; }
+    [[nodiscard]] const Lighting &lighting() const { return lighting_; }
+    [[nodiscard]] bool grey() const { return grey_; }
+    [[nodiscard]] double step_length() const { return step_length_; } // cells
 
 private:
-    [[nodiscard]] FrameView view(const Camera &camera) const;
+    [[nodiscard]] FrameView view(const Camera &camera, std::span<const MediumView> media) const;
 
     const Kernels *kernels_;
     Surfaces surfaces_;
-    CroppedMedium medium_;
-    std::optional<Sun> sun_;
-    std::optional<LightMap> light_map_; // where there are smoke and a sun
-    double step_length_ = 1.0;
+    double step_length_;
+    std::vector<CroppedMedium> media_; // those that are not empty
+    bool grey_;
+    Lighting lighting_;
     glm::vec3 background_;
 };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One packet of camera rays: the first surface, the sun on it, the smoke before it.
+// One packet of camera rays: the first surface, the lights on it, the smoke before it.
 #include "embree.hpp"
 #include "lanes.hpp"
+#include "lights_lanes.hpp"
 #include "sampling.hpp"
 
 #include <algorithm>
@@ -43,10 +44,6 @@ void set_rays(R &rays, const vec3 &origin, const vec3 &direction, Real near_t, R
         rays.id[lane] = 0;
         rays.flags[lane] = 0;
     }
-}
-
-inline vec3 normalised(const vec3 &v) {
-    return v * (1.0F / sqrt(dot(v, v)));
 }
 
 Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
@@ -108,154 +105,298 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     return surface;
 }
 
-// The share of the sun that no solid keeps from `point`, asked for one direction within the sun's disk.
-Real sun_visibility(const SurfaceView &view, const vec3 &point, const vec3 &towards, Mask asked) {
+// Whether nothing solid stands on the first `distance` metres from `point`.
+Real visibility(const SurfaceView &view, const vec3 &point, const Towards &towards, Mask asked) {
     if (view.scene == nullptr || !xsimd::any(asked)) {
         return 1.0F;
     }
     typename Rays<LANES>::Ray rays;
-    set_rays(rays, point, towards, 0.0F, 1e30F);
+    set_rays(rays, point, towards.direction, 0.0F, towards.distance);
     alignas(64) int valid[LANES];
     valid_lanes(asked, valid);
     Rays<LANES>::occluded(valid, view.scene, rays);
     return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
 }
 
-// The sun as one packet's surfaces see it.
-struct SunLight {
-    Real cosine;     // between the shading normal and the sun, 0 for surfaces that face away
-    Real visibility; // T_opaque
-    Real column;     // column density of the smoke before the sun
+// What the smoke lets through from a light to a point: the mean over the light's samples.
+void smoke_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, Real out[3]) {
+    const int colours = frame.grey ? 1 : 3;
+    const std::size_t media = frame.media.size();
+    Real sum[3] = {0.0F, 0.0F, 0.0F};
+    for (std::size_t j = 0; j < light.samples.size(); ++j) {
+        Real depth[3] = {0.0F, 0.0F, 0.0F};
+        for (std::size_t m = 0; m < media; ++m) {
+            const LightMapView &map = light.maps[j * media + m];
+            if (map.coefficients == nullptr) {
+                continue;
+            }
+            const vec3 place = place_on(map, point);
+            const Real column = column_density(map, locate(map, place.x, place.y), place.z);
+            for (int c = 0; c < colours; ++c) {
+                depth[c] = depth[c] + column * frame.media[m].extinction[c];
+            }
+        }
+        for (int c = 0; c < colours; ++c) {
+            sum[c] = sum[c] + transmittance_of(depth[c]);
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        out[c] = sum[c < colours ? c : 0] * (1.0F / static_cast<float>(light.samples.size()));
+    }
+}
+
+// The light that a packet's surfaces send to the eye, with the shadow of the smoke and without.
+struct Reflected {
+    Real shadowed[3], open[3];
 };
 
-SunLight sunlight(const FrameView &frame, const Packet &packet, const Ray &ray, const Surface &surface) {
-    SunLight light{0.0F, 0.0F, 0.0F};
-    if (!frame.sun.present) {
-        return light;
+// One light's irradiance on surfaces: unoccluded, the shares that solids and smoke let through, and what it would be if
+// the surface faced the light.
+struct Incident {
+    Real irradiance, facing, visible;
+    Real through[3];
+};
+
+Incident incident(const FrameView &frame, const LightView &light, const Packet &packet, const Surface &surface,
+                  const vec3 &point, const vec3 &start) {
+    Incident in{0.0F, 0.0F, 0.0F, {1.0F, 1.0F, 1.0F}};
+    const Towards towards =
+        sample_towards(light, point, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
+    in.facing = pick(surface.hit, towards.irradiance, 0.0F);
+    const Real cosine = dot(surface.normal, towards.direction);
+    const Mask lit =
+        surface.hit & (cosine > 0.0F) & (in.facing > 0.0F) & (dot(surface.geometric_normal, towards.direction) > 0.0F);
+    if (!xsimd::any(lit)) {
+        return in;
     }
-    const vec3 towards =
-        normalised(broadcast(frame.sun.towards) + broadcast(frame.sun.across) * Real::load_aligned(packet.sun_x) +
-                   broadcast(frame.sun.up) * Real::load_aligned(packet.sun_y));
-    const Real cosine = dot(surface.normal, towards);
-    const Mask facing = surface.hit & (cosine > 0.0F) & (dot(surface.geometric_normal, towards) > 0.0F);
-    if (!xsimd::any(facing)) {
-        return light;
-    }
-    light.cosine = pick(facing, cosine, 0.0F);
+    in.irradiance = pick(lit, towards.irradiance * cosine, 0.0F);
+    in.visible = visibility(frame.surfaces, start, towards, lit);
+    smoke_transmittance(frame, light, point, in.through);
+    return in;
+}
+
+Reflected reflected(const FrameView &frame, Output output, const Packet &packet, const Ray &ray,
+                    const Surface &surface) {
+    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
     const vec3 point = ray.origin + ray.direction * surface.distance;
     // Start the shadow ray off the surface by a few rounding errors of the coordinates.
     const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
-    light.visibility = sun_visibility(frame.surfaces, point + surface.geometric_normal * offset, towards, facing);
-    if (frame.smoke && frame.medium.present) {
-        const vec3 m = transform_point(frame.map.world_to_map, point);
-        light.column = column_density(frame.map, locate(frame.map, m.x, m.y), m.z);
+    const vec3 start = point + surface.geometric_normal * offset;
+    const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
+    Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
+    for (const LightView &light : frame.lights) {
+        const Incident in = incident(frame, light, packet, surface, point, start);
+        for (int c = 0; c < 3; ++c) {
+            const Real solid = in.irradiance * in.visible * light.strength[c];
+            if (output == Output::PICTURE || output == Output::SURFACES) {
+                out.open[c] = out.open[c] + diffuse_reflection(albedos[c], solid);
+                out.shadowed[c] = out.shadowed[c] + diffuse_reflection(albedos[c], solid * in.through[c]);
+                continue;
+            }
+            // The share of light that is missing, of all that would be there if the surface faced every light.
+            const Real all = output == Output::ALL_SHADOWS ? in.irradiance * light.strength[c] : solid;
+            out.shadowed[c] = out.shadowed[c] + (all - solid * in.through[c]);
+            facing[c] = facing[c] + in.facing * light.strength[c];
+        }
     }
-    return light;
+    if (output == Output::SMOKE_SHADOW || output == Output::ALL_SHADOWS) {
+        for (int c = 0; c < 3; ++c) {
+            out.shadowed[c] = out.shadowed[c] / facing[c];
+        }
+    }
+    return out;
 }
 
 struct Smoke {
     Real transmittance[3];
-    Real scattered[3];
+    Real radiance[3];
 };
 
-template <int Colours, bool Shaded>
-Smoke march(const MediumView &medium, const Ray &ray, Real distance, Mask active) {
-    const vec3 origin = transform_point(medium.world_to_grid, ray.origin);
-    const vec3 direction = transform_vector(medium.world_to_grid, ray.direction);
-    const vec3 size{Real(static_cast<float>(medium.lit.nx)), Real(static_cast<float>(medium.lit.ny)),
-                    Real(static_cast<float>(medium.lit.nz))};
-    const Interval inside = clip_to_box({Real(0.0F), distance}, origin, direction, size);
-    const Real stretch = max(pick(active, inside.far_t - inside.near_t, 0.0F), 0.0F);
-    Smoke smoke;
-    March state[Colours];
-    for (March &m : state) {
-        m.optical_depth = 0.0F;
-        m.scattered = 0.0F;
-    }
-    if (xsimd::any(stretch > 0.0F)) {
-        const Real steps =
-            pick(stretch > 0.0F, march_steps(stretch * sqrt(dot(direction, direction)), medium.step_length), 0.0F);
-        const Real step = stretch / max(steps, 1.0F);
-        const Real speed = max(max(abs(direction.x), abs(direction.y)), abs(direction.z)) * step; // cells a step
-        const Real leap = 1.0F / max(speed, 1e-6F);
-        const float most = highest(steps);
-        for (float k = 0.0F; k < most;) {
-            const Real t = inside.near_t + (k + 0.5F) * step;
-            const vec3 p = origin + direction * t;
-            const Mask marching = Real(k) < steps;
-            const Real clear = pick(marching, clearance_at(medium.clearance, p), 1e6F);
-            if (!xsimd::any(clear < 0.0F)) {
-                k += 1.0F + std::floor(std::min(lowest(clear * leap), 1e6F));
+// A ray in the grid of one medium.
+struct Crossing {
+    vec3 origin, direction;
+    Interval inside;
+};
+
+Crossing crossing_of(const MediumView &medium, const Ray &ray, Real distance) {
+    Crossing crossing;
+    crossing.origin = transform_point(medium.world_to_grid, ray.origin);
+    crossing.direction = transform_vector(medium.world_to_grid, ray.direction);
+    const vec3 size{Real(static_cast<float>(medium.density.nx)), Real(static_cast<float>(medium.density.ny)),
+                    Real(static_cast<float>(medium.density.nz))};
+    crossing.inside = clip_to_box({Real(0.0F), distance}, crossing.origin, crossing.direction, size);
+    return crossing;
+}
+
+// What one step through one medium scatters to the eye from all lights.
+template <int Colours>
+void scatter(const FrameView &frame, const MediumView &medium, const Cell &cell, const Ray &ray, Real t,
+             const Real *scattering, const Real *tau, const Real *tau_eye, Smoke &smoke) {
+    const GridView light_grid = medium.light;
+    const Cell light_cell{cell.first * Index(light_grid.channels), cell.x, cell.y, cell.z};
+    const vec3 world = ray.origin + ray.direction * t;
+    std::ptrdiff_t skip = 0;
+    for (const LightView &light : frame.lights) {
+        GridView volume = light_grid;
+        volume.values += skip;
+        skip += medium.next_light;
+        Real incoming = sample(volume, light_cell, Colours);
+        Real cosine;
+        if (light.kind == Light::Kind::SUN) {
+            cosine = dot(broadcast(light.direction), ray.direction);
+        } else {
+            const vec3 from_light = world - broadcast(light.position);
+            incoming = incoming * falloff_of(light, from_light);
+            cosine = dot(from_light, ray.direction) / sqrt(max(dot(from_light, from_light), 1e-20F));
+        }
+        incoming = incoming * henyey_greenstein(-cosine, medium.anisotropy);
+        for (int c = 0; c < Colours; ++c) {
+            const Real sent =
+                incoming * scattered_by_step(scattering[c], tau[c], tau_eye[c], sample(volume, light_cell, c));
+            if (Colours == 3) {
+                smoke.radiance[c] = smoke.radiance[c] + sent * light.strength[c];
                 continue;
             }
-            const Cell cell = locate(medium.lit, p);
-            const Real density = pick(marching, sample(medium.lit, cell, 0), 0.0F) * step;
-            const Real column = sample(medium.lit, cell, 1);
-            const Real occlusion = Shaded ? sample(medium.lit, cell, 2) : Real(0.0F);
+            for (int rgb = 0; rgb < 3; ++rgb) {
+                // Grey smoke may still scatter in colours, so the one march takes it for white until here.
+                smoke.radiance[rgb] = smoke.radiance[rgb] + sent * (light.strength[rgb] * medium.scattering[rgb]);
+            }
+        }
+    }
+}
+
+template <int Colours>
+Smoke march(const FrameView &frame, const Ray &ray, Real distance, Mask active) {
+    Crossing crossings[MAX_MEDIA];
+    Real near_t = 1e30F, far_t = 0.0F, step_length = 1e30F;
+    const std::size_t media = frame.media.size();
+    for (std::size_t m = 0; m < media; ++m) {
+        const Crossing &crossing = crossings[m] = crossing_of(frame.media[m], ray, distance);
+        const Mask met = crossing.inside.near_t < crossing.inside.far_t;
+        const Real length = frame.media[m].step_length / sqrt(dot(crossing.direction, crossing.direction));
+        near_t = pick(met, min(near_t, crossing.inside.near_t), near_t);
+        far_t = pick(met, max(far_t, crossing.inside.far_t), far_t);
+        step_length = pick(met, min(step_length, length), step_length);
+    }
+    const Real stretch = max(pick(active, far_t - near_t, 0.0F), 0.0F);
+    Smoke smoke{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    Real depth[Colours]; // optical, towards the eye
+    for (Real &d : depth) {
+        d = 0.0F;
+    }
+    if (xsimd::any(stretch > 0.0F)) {
+        const Real steps = pick(stretch > 0.0F, march_steps(stretch, step_length), 0.0F);
+        const Real step = stretch / max(steps, 1.0F);
+        const Real per_step = 1.0F / max(step, 1e-30F);
+        const float most = highest(steps);
+        for (float k = 0.0F; k < most;) {
+            const Real t = near_t + (k + 0.5F) * step;
+            const Mask marching = Real(k) < steps;
+            Real tau[Colours];
+            for (Real &value : tau) {
+                value = 0.0F;
+            }
+            Cell cells[MAX_MEDIA];
+            Real amounts[MAX_MEDIA]; // of density times length
+            bool met[MAX_MEDIA];
+            float leap = 1e6F;
+            bool any_met = false;
+            for (std::size_t m = 0; m < media; ++m) {
+                const MediumView &medium = frame.media[m];
+                const Crossing &crossing = crossings[m];
+                const vec3 p = crossing.origin + crossing.direction * t;
+                const vec3 &d = crossing.direction;
+                const Mask inside = marching & (t >= crossing.inside.near_t) & (t <= crossing.inside.far_t);
+                // Steps that surely meet nothing: empty bricks inside, the way up to the box before it.
+                const Real speed = max(max(abs(d.x), abs(d.y)), abs(d.z)) * step; // cells a step
+                const Real ahead =
+                    pick(marching & (t < crossing.inside.near_t), (crossing.inside.near_t - t) * per_step - 1.0F, 1e6F);
+                const Real clear = clearance_at(medium.clearance, p);
+                met[m] = xsimd::any(inside & (clear < 0.0F));
+                any_met = any_met || met[m];
+                if (!met[m]) {
+                    leap = std::min(leap, lowest(pick(inside, clear / max(speed, 1e-6F), ahead)));
+                    continue;
+                }
+                cells[m] = locate(medium.density, p);
+                amounts[m] = pick(inside, sample(medium.density, cells[m], 0), 0.0F) * step;
+                for (int c = 0; c < Colours; ++c) {
+                    tau[c] = tau[c] + amounts[m] * medium.extinction[c];
+                }
+            }
+            if (!any_met) {
+                k += 1.0F + std::floor(std::max(leap, 0.0F));
+                continue;
+            }
+            for (std::size_t m = 0; m < media; ++m) {
+                if (!met[m]) {
+                    continue;
+                }
+                Real scattering[Colours];
+                for (int c = 0; c < Colours; ++c) {
+                    scattering[c] = Colours == 1 ? amounts[m] : amounts[m] * frame.media[m].scattering[c];
+                }
+                scatter<Colours>(frame, frame.media[m], cells[m], ray, t, scattering, tau, depth, smoke);
+            }
             for (int c = 0; c < Colours; ++c) {
-                const float extinction = medium.extinction[c];
-                state[c] = march_step(state[c], density * extinction, column * extinction, occlusion);
+                depth[c] = depth[c] + tau[c];
             }
             k += 1.0F;
         }
     }
     for (int c = 0; c < 3; ++c) {
-        const March &m = state[Colours == 1 ? 0 : c];
-        smoke.transmittance[c] = transmittance_of(m.optical_depth);
-        smoke.scattered[c] = m.scattered;
+        smoke.transmittance[c] = transmittance_of(depth[Colours == 1 ? 0 : c]);
     }
     return smoke;
 }
 
+void store_plain(const Real rgb[3], Mask hit, Traced &out) {
+    for (int c = 0; c < 3; ++c) {
+        rgb[c].store_aligned(out.radiance[c]);
+    }
+    pick(hit, 1.0F, 0.0F).store_aligned(out.alpha);
+}
+
 } // namespace
 
-void trace(const FrameView &frame, const Packet &packet, Light &light) {
+void trace(const FrameView &frame, Output output, const Packet &packet, Traced &out) {
     const Mask active = Real::load_aligned(packet.active) > 0.0F;
     const auto &c = frame.camera;
     const Ray ray = camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
                                broadcast(c[5]), Real::load_aligned(packet.u), Real::load_aligned(packet.v));
     const Surface surface = first_surface(frame.surfaces, ray, active);
-    surface.distance.store_aligned(light.distance);
+    surface.distance.store_aligned(out.distance);
 
-    Real rgb[3]; // of the surface, before the smoke
+    const bool picture = output == Output::PICTURE || output == Output::SURFACES;
+    Real shadowed[3], open[3]; // with the shadow of the smoke and without
     for (int i = 0; i < 3; ++i) {
-        rgb[i] = frame.lit ? frame.background[i] : 0.0F;
+        shadowed[i] = open[i] = picture ? frame.background[i] : 0.0F;
     }
-    Real arriving[3] = {1.0F, 1.0F, 1.0F}; // transmittance of the map, T_map
     if (xsimd::any(surface.hit)) {
-        const SunLight sun = sunlight(frame, packet, ray, surface);
-        const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
+        const Reflected light = reflected(frame, output, packet, ray, surface);
         for (int i = 0; i < 3; ++i) {
-            const Real reflected =
-                frame.lit ? diffuse_reflection(albedos[i], sun.cosine) * frame.sun.irradiance[i] : sun.cosine;
-            const Real visibility = frame.lit || i == 0 ? sun.visibility : Real(1.0F);
-            rgb[i] = pick(surface.hit, visibility * reflected, rgb[i]);
-            arriving[i] = transmittance_of(sun.column * frame.medium.extinction[i]);
+            shadowed[i] = pick(surface.hit, light.shadowed[i], shadowed[i]);
+            open[i] = pick(surface.hit, light.open[i], open[i]);
         }
     }
-    ((rgb[0] + rgb[1] + rgb[2]) * (1.0F / 3.0F)).store_aligned(light.surface);
-    if (!frame.smoke || !frame.medium.present) {
-        for (int i = 0; i < 3; ++i) {
-            rgb[i].store_aligned(light.radiance[i]);
-        }
-        pick(surface.hit, 1.0F, 0.0F).store_aligned(light.alpha);
-        Real(1.0F).store_aligned(light.seen);
+    const Real brightness = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
+    brightness.store_aligned(out.surface);
+    if (output != Output::PICTURE || frame.media.empty()) {
+        store_plain(shadowed, surface.hit, out);
+        Real(1.0F).store_aligned(out.seen);
         return;
     }
-    const auto march_kind = frame.medium.lit.channels == 3 ? (frame.medium.grey ? march<1, true> : march<3, true>)
-                                                           : (frame.medium.grey ? march<1, false> : march<3, false>);
-    const Smoke smoke = march_kind(frame.medium, ray, surface.distance, active);
-    const Real phase = henyey_greenstein(dot(broadcast(frame.sun.towards), ray.direction), frame.medium.anisotropy);
-    Real through = 0.0F, seen = 0.0F;
+    const Smoke smoke =
+        frame.grey ? march<1>(frame, ray, surface.distance, active) : march<3>(frame, ray, surface.distance, active);
+    Real through = 0.0F, left = 0.0F;
     for (int i = 0; i < 3; ++i) {
-        const float source = frame.sun.irradiance[i] * frame.medium.albedo[i];
-        const Real left = smoke.transmittance[i] * arriving[i];
-        (rgb[i] * left + phase * source * smoke.scattered[i]).store_aligned(light.radiance[i]);
+        const Real behind = shadowed[i] * smoke.transmittance[i];
+        (behind + smoke.radiance[i]).store_aligned(out.radiance[i]);
+        left = left + behind;
         through = through + smoke.transmittance[i] * (1.0F / 3.0F);
-        seen = max(seen, left);
     }
-    pick(surface.hit, 1.0F, 1.0F - through).store_aligned(light.alpha);
-    seen.store_aligned(light.seen);
+    pick(surface.hit, 1.0F, 1.0F - through).store_aligned(out.alpha);
+    (left * (1.0F / 3.0F) / max(brightness, 1e-20F)).store_aligned(out.seen);
 }
 
 } // namespace sfumato::SFUMATO_ISA

@@ -5,8 +5,11 @@
 #pragma once
 
 #include "embree.hpp"
+#include "scene.hpp"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include <glm/mat4x4.hpp>
@@ -15,6 +18,7 @@
 namespace sfumato {
 
 constexpr int MAX_LANES = 16;
+constexpr std::size_t MAX_MEDIA = 8; // in one frame
 
 // An affine map by its rows, (x, y, z, translation).
 struct Affine {
@@ -38,37 +42,74 @@ struct ClearanceView {
     int nx = 0, ny = 0, nz = 0;
 };
 
-// A Fourier opacity map: `coefficients` floats a texel (a0, a1, b1, a2, b2, ...), and for each texel the depth of the
-// first solid on the light ray (1 where there is none within the map's range). Texel centres are at (i + 1/2) / width.
+// A Fourier opacity map: `count` floats a texel (a0, a1, b1, a2, b2, ...), and for each texel the depth of the first
+// solid on the light ray (infinite where there is none). Texel centres are at (i + 1/2) / width.
+// A map of light from one direction is affine in the world. One of light from one point has a rectangle of the
+// octahedral square across (shaders/light.glsl) and the distance to the point along.
 struct LightMapView {
-    const float *coefficients = nullptr;
+    const float *coefficients = nullptr; // null where the light cannot meet the medium
     const float *solid_depth = nullptr;
     int count = 1;
     int width = 0, height = 0;
-    Affine world_to_map;
+    bool radial = false;
+    Affine world_to_light;               // onto [0, 1]^3; radial: turned and moved, with the light at the origin
+    float low[3] = {0.0F, 0.0F, 0.0F};   // radial: where the rectangle and the distances begin,
+    float scale[3] = {1.0F, 1.0F, 1.0F}; // and one over their extent
 };
 
 // Projects one row of texels: coefficient c = sum over slices s of weights[s][c] * density(slice).
 struct ProjectRow {
     GridView density;
     ClearanceView clearance;
-    Affine texel_to_grid; // (x, y, s): texel centres and slice centres at whole numbers
+    LightMapView map;     // coefficients and depths are not read
+    Affine light_to_grid; // from [0, 1]^3, or from the frame with the light at the origin
     const float *weights = nullptr;
     int slices = 0;
-    int count = 1; // coefficients
-    int width = 0, y = 0;
+    int y = 0;
     float *coefficients = nullptr; // of this row
 };
 
-// Fills one slice z of the lit volume: the column density between each cell centre and the sun, and the share of the
-// sun that solids keep from it.
-struct LightSlice {
-    LightMapView map;
+// A light, and the points that it is sampled at.
+struct LightView {
+    Light::Kind kind = Light::Kind::SUN;
+    glm::vec3 strength{0.0F};
+    glm::vec3 position{0.0F};
+    glm::vec3 direction{0.0F, 0.0F, -1.0F};
+    glm::vec3 across{0.0F}, up{0.0F}; // half axes; of a sun tan(angle / 2) long, of a sphere not set
+    float radius = 0.0F;
+    float cone_cosine = -2.0F; // of a spot's edge; -2 for no spot
+    float blend = 0.0F;
+    float spread_cotangent = 0.0F;
+    float area = 0.0F;                  // of rectangles and ellipses
+    float size2 = 0.0F;                 // of falloff()
+    std::span<const glm::vec3> samples; // points; of a sun, directions towards it
+    const LightMapView *maps = nullptr; // for each sample and medium; the medium runs fastest
+};
+
+// A body of smoke. Of its light volumes one belongs to each light, of `colours` + 1 channels: the optical depth towards
+// the light in each colour (in the only one, where all smoke is grey), and the share of the light's falloff() that
+// gets past solids, and past the edges of its cone.
+struct MediumView {
+    GridView density;
+    GridView light;                // the first light's
+    std::ptrdiff_t next_light = 0; // floats from one light's volume to the next
     ClearanceView clearance;
-    Affine grid_to_map;
-    float *lit = nullptr;       // the whole volume: density and column density, interleaved
-    float *occlusion = nullptr; // the whole volume
-    int nx = 0, ny = 0, nz = 0, z = 0;
+    Affine world_to_grid;
+    float extinction[3] = {0.0F, 0.0F, 0.0F}; // per metre and unit density
+    float scattering[3] = {0.0F, 0.0F, 0.0F};
+    float anisotropy = 0.0F;
+    float step_length = 1.0F; // cells
+};
+
+// Fills one slice z of one light's volume.
+struct LightSlice {
+    const LightView *light = nullptr;
+    std::span<const MediumView> media;
+    int own = 0; // which of the media is being lit
+    bool grey = true;
+    Affine grid_to_world;
+    float *volume = nullptr;
+    int z = 0;
 };
 
 // The triangles' attributes, indexed by Embree's primitive number.
@@ -79,44 +120,31 @@ struct SurfaceView {
     const float *albedo = nullptr;          // three floats a material
 };
 
-struct SunView {
-    bool present = false;
-    glm::vec3 towards{0.0F, 0.0F, 1.0F}; // from the scene to the sun
-    glm::vec3 across{0.0F}, up{0.0F};    // tan(angle / 2) long, spanning the disk
-    glm::vec3 irradiance{0.0F};
-};
-
-struct MediumView {
-    bool present = false;
-    GridView lit;
-    ClearanceView clearance;
-    Affine world_to_grid;
-    float extinction[3] = {0.0F, 0.0F, 0.0F};
-    bool grey = true; // all three alike: one march serves them
-    float albedo[3] = {0.0F, 0.0F, 0.0F};
-    float anisotropy = 0.0F;
-    float step_length = 1.0F; // cells
-};
-
 struct FrameView {
     std::array<glm::vec3, 6> camera; // near0, near_u, near_v, far0, far_u, far_v
     SurfaceView surfaces;
-    SunView sun;
-    MediumView medium;
-    LightMapView map; // of the medium; read only where there are a sun and a medium
+    std::span<const LightView> lights;
+    std::span<const MediumView> media;
+    bool grey = true; // all extinctions are: one march serves all colours
     glm::vec3 background{0.0F};
-    bool lit = true;   // surfaces: radiance, or the cosine of the sun, in red times its visibility
-    bool smoke = true; // or the surfaces alone
+};
+
+// What trace() computes for a surface, and whether it marches through the smoke before it.
+enum class Output : std::uint8_t {
+    PICTURE,      // its radiance, behind the smoke
+    SURFACES,     // its radiance, as if there were no smoke between it and the eye
+    SMOKE_SHADOW, // the share of its light that smoke takes
+    ALL_SHADOWS   // the share of its light that smoke and solids take
 };
 
 // Samples in, light out; as many as the kernel has lanes.
 struct Packet {
-    alignas(64) float u[MAX_LANES], v[MAX_LANES];         // where on the image, in [0, 1]
-    alignas(64) float sun_x[MAX_LANES], sun_y[MAX_LANES]; // where on the sun's disk, in the unit disk
-    alignas(64) float active[MAX_LANES];                  // 1, or 0 for lanes to spare
+    alignas(64) float u[MAX_LANES], v[MAX_LANES];             // where on the image, in [0, 1]
+    alignas(64) float light_u[MAX_LANES], light_v[MAX_LANES]; // where on every light, in [0, 1]^2
+    alignas(64) float active[MAX_LANES];                      // 1, or 0 for lanes to spare
 };
 
-struct Light {
+struct Traced {
     alignas(64) float radiance[3][MAX_LANES];
     alignas(64) float alpha[MAX_LANES];
     alignas(64) float surface[MAX_LANES];  // mean radiance of the surface, were there no smoke
@@ -130,7 +158,7 @@ struct Kernels {
     void (*project_row)(const ProjectRow &);
     void (*light_slice)(const LightSlice &);
     void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
-    void (*trace)(const FrameView &, const Packet &, Light &);
+    void (*trace)(const FrameView &, Output, const Packet &, Traced &);
 };
 
 // Every set of kernels that this processor runs, the widest last.

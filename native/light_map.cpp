@@ -4,11 +4,12 @@
 #include "glsl.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <oneapi/tbb/parallel_for.h>
@@ -17,6 +18,7 @@ namespace sfumato {
 namespace {
 
 constexpr double MOST_COEFFICIENTS = 1 << 26; // a quarter of a gibibyte
+constexpr int MOST_SLICES = 8192;
 
 // What each slice of the light's path adds to each coefficient, per unit of density: eqs 1-2 for slabs.
 std::vector<float> slice_weights(int slices, int count, double path) {
@@ -38,36 +40,99 @@ std::vector<float> slice_weights(int slices, int count, double path) {
     return weights;
 }
 
+// The ray of a texel in the world: from depth 0 of the map, one depth long.
+struct TexelRay {
+    glm::dvec3 origin, along;
+};
+
+TexelRay texel_ray(const LightMap &map, const glm::dmat4 &light_to_world, int x, int y) {
+    const glm::dvec2 place((x + 0.5) / map.size.x, (y + 0.5) / map.size.y);
+    if (!map.radial) {
+        return {glm::dvec3(light_to_world * glm::dvec4(place, 0.0, 1.0)), glm::dvec3(light_to_world[2])};
+    }
+    const glm::dvec2 square = glm::dvec2(map.low) + place * glm::dvec2(map.high - map.low);
+    const glm::vec3 local = glsl::octahedral_direction({static_cast<float>(square.x), static_cast<float>(square.y)});
+    const glm::dvec3 direction = glm::dmat3(light_to_world) * glm::dvec3(local);
+    return {glm::dvec3(light_to_world[3]) + map.low.z * direction, (map.high.z - map.low.z) * direction};
+}
+
+// The map depth of the first place at which a solid could stand between light and smoke.
+double nearest_solid(const LightMap &map, const SurfaceView &surfaces) {
+    if (map.radial) {
+        return -map.low.z / (map.high.z - map.low.z); // the light itself
+    }
+    RTCBounds bounds;
+    rtcGetSceneBounds(surfaces.scene, &bounds);
+    const glm::dvec3 low(bounds.lower_x, bounds.lower_y, bounds.lower_z);
+    const glm::dvec3 high(bounds.upper_x, bounds.upper_y, bounds.upper_z);
+    double nearest = 0.0; // of the solids' corner that is nearest to the light
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
+                           (corner & 4) != 0 ? high.z : low.z);
+        nearest = std::min(nearest, (map.world_to_light * glm::dvec4(p, 1.0)).z - 1e-3);
+    }
+    return nearest;
+}
+
 // Where along each texel's light ray, in the map's depth, the first solid stands.
 void find_solids(LightMap &map, const SurfaceView &surfaces) {
     map.solid_depth.assign(map.texels(), std::numeric_limits<float>::max());
     if (surfaces.scene == nullptr) {
         return;
     }
-    RTCBounds bounds;
-    rtcGetSceneBounds(surfaces.scene, &bounds);
-    const glm::dvec3 low(bounds.lower_x, bounds.lower_y, bounds.lower_z);
-    const glm::dvec3 high(bounds.upper_x, bounds.upper_y, bounds.upper_z);
-    double nearest = 0.0; // map depth of the solids' corner that is nearest to the light
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 p((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
-                           (corner & 4) != 0 ? high.z : low.z);
-        nearest = std::min(nearest, (map.world_to_map * glm::dvec4(p, 1.0)).z - 1e-3);
-    }
-    const glm::dmat4 to_world = glm::inverse(map.world_to_map);
-    const glm::dvec3 along(to_world[2]); // one map depth
-    const double path = glm::length(along);
-    const glm::vec3 direction(along / path);
+    const double nearest = nearest_solid(map, surfaces);
+    const glm::dmat4 light_to_world = glm::inverse(map.world_to_light);
     oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
         for (int x = 0; x < map.size.x; ++x) {
-            const glm::vec3 from(to_world * glm::dvec4((x + 0.5) / map.size.x, (y + 0.5) / map.size.y, nearest, 1.0));
-            const float hit = first_hit(surfaces.scene, from, direction);
+            const TexelRay ray = texel_ray(map, light_to_world, x, y);
+            const double length = glm::length(ray.along);
+            const float hit =
+                first_hit(surfaces.scene, glm::vec3(ray.origin + nearest * ray.along), glm::vec3(ray.along / length));
             if (std::isfinite(hit)) {
                 map.solid_depth[static_cast<std::size_t>(y * map.size.x + x)] =
-                    static_cast<float>(nearest + static_cast<double>(hit) / path);
+                    static_cast<float>(nearest + static_cast<double>(hit) / length);
             }
         }
     });
+}
+
+// The eight corners of the medium's box, taken through `to`.
+std::array<glm::dvec3, 8> corners_of(const CroppedMedium &medium, const glm::dmat4 &to) {
+    std::array<glm::dvec3, 8> corners;
+    for (std::size_t i = 0; i < 8; ++i) {
+        const glm::dvec3 cell((i & 1) != 0 ? medium.resolution.x : 0, (i & 2) != 0 ? medium.resolution.y : 0,
+                              (i & 4) != 0 ? medium.resolution.z : 0);
+        corners[i] = glm::dvec3(to * medium.grid_to_world * glm::dvec4(cell, 1.0));
+    }
+    return corners;
+}
+
+// `length` of light in metres, at most this many slices of half a cell: with one a cell, the total of a small dense
+// puff can be off by more than 1 %.
+void project(LightMap &map, const CroppedMedium &medium, double length, double cells, const Kernels &with) {
+    const int slices = static_cast<int>(std::clamp(std::ceil(2.0 * cells), 1.0, double{MOST_SLICES}));
+    const std::vector<float> weights = slice_weights(slices, map.count, length);
+    const Affine light_to_grid = affine(glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light));
+    map.coefficients.resize(map.texels() * static_cast<std::size_t>(map.count));
+    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
+        ProjectRow row;
+        row.density = medium.density_grid();
+        row.clearance = medium.clearances();
+        row.map = map.view();
+        row.light_to_grid = light_to_grid;
+        row.weights = weights.data();
+        row.slices = slices;
+        row.y = y;
+        row.coefficients = map.coefficients.data() + static_cast<std::ptrdiff_t>(y) * map.size.x * map.count;
+        with.project_row(row);
+    });
+}
+
+// Texels of at least the asked-for size, so many that they fill an extent within memory; the rim around them stays
+// empty.
+glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int count) {
+    const double least = std::sqrt(extent.x * extent.y * count / MOST_COEFFICIENTS); // thin cells ask for too many
+    return glm::ivec2(glm::ceil(extent / std::max(texel, least))) + 2;
 }
 
 } // namespace
@@ -82,15 +147,20 @@ Affine affine(const glm::dmat4 &m) {
     return out;
 }
 
-glm::dmat3 light_axes(const Sun &sun) {
-    const glm::dvec3 along = glm::normalize(glm::dvec3(sun.direction));
+glm::dmat3 axes_of(const glm::dvec3 &direction) {
+    const glm::dvec3 along = glm::normalize(direction);
     const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
     const glm::dvec3 across = glm::normalize(glm::cross(helper, along));
     return {across, glm::cross(along, across), along};
 }
 
 LightMapView LightMap::view() const {
-    return {coefficients.data(), solid_depth.data(), count, size.x, size.y, affine(world_to_map)};
+    LightMapView view{coefficients.data(), solid_depth.data(), count, size.x, size.y, radial, affine(world_to_light)};
+    for (int axis = 0; axis < 3; ++axis) {
+        view.low[axis] = static_cast<float>(low[axis]);
+        view.scale[axis] = static_cast<float>(1.0 / (high[axis] - low[axis]));
+    }
+    return view;
 }
 
 void LightMap::look_up(std::span<const float> points, std::span<float> columns) const {
@@ -103,91 +173,93 @@ void LightMap::look_up(std::span<const float> points, std::span<float> columns) 
     });
 }
 
-LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const SurfaceView &surfaces, int count,
-                         double texels_per_cell, const Kernels &with) {
-    const glm::dmat3 axes = light_axes(sun);
-    const glm::dmat3 to_light = glm::transpose(axes);
+LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const SurfaceView &surfaces,
+                            const LightMapSettings &settings, const Kernels &with) {
+    const glm::dmat3 to_light = glm::transpose(axes_of(direction));
     glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 cell((corner & 1) != 0 ? medium.resolution.x : 0, (corner & 2) != 0 ? medium.resolution.y : 0,
-                              (corner & 4) != 0 ? medium.resolution.z : 0);
-        const glm::dvec3 p = to_light * glm::dvec3(medium.grid_to_world * glm::dvec4(cell, 1.0));
+    for (const glm::dvec3 &p : corners_of(medium, glm::dmat4(to_light))) {
         low = glm::min(low, p);
         high = glm::max(high, p);
     }
     LightMap map;
-    map.count = count;
-    // Thin cells would ask for more texels than memory holds.
-    const double area = (high.x - low.x) * (high.y - low.y);
-    const double texel = std::max(medium.cell_size / texels_per_cell, std::sqrt(area * count / MOST_COEFFICIENTS));
-    map.size = glm::ivec2(glm::ceil(glm::dvec2(high - low) / texel)) + 2; // the rim stays empty
-    const glm::dvec3 extent(glm::dvec2(map.size) * texel, high.z - low.z);
-    const glm::dvec3 middle = 0.5 * (low + high);
-    const glm::dvec3 origin = middle - 0.5 * extent;
+    map.count = settings.coefficients;
+    const double texel = medium.cell_size / settings.texels_per_cell;
+    map.size = texels_for(glm::dvec2(high - low), texel, map.count);
+    const double fitted = std::max({texel, (high.x - low.x) / (map.size.x - 2), (high.y - low.y) / (map.size.y - 2)});
+    const glm::dvec3 extent(glm::dvec2(map.size) * fitted, high.z - low.z);
+    const glm::dvec3 origin = 0.5 * (low + high) - 0.5 * extent;
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) {
-            map.world_to_map[column][row] = to_light[column][row] / extent[row];
+            map.world_to_light[column][row] = to_light[column][row] / extent[row];
         }
-        map.world_to_map[3][row] = -origin[row] / extent[row];
+        map.world_to_light[3][row] = -origin[row] / extent[row];
     }
-
-    // Two slices a cell along the light: with one, the total of a small dense puff can be off by more than 1 %.
-    const glm::dmat4 map_to_grid = glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_map);
-    const int slices = std::max(1, static_cast<int>(std::ceil(2.0 * glm::length(glm::dvec3(map_to_grid[2])))));
-    const std::vector<float> weights = slice_weights(slices, count, extent.z);
-    glm::dmat4 texel_to_map(1.0);
-    const glm::dvec3 steps(1.0 / map.size.x, 1.0 / map.size.y, 1.0 / slices);
-    for (int axis = 0; axis < 3; ++axis) {
-        texel_to_map[axis][axis] = steps[axis];
-        texel_to_map[3][axis] = 0.5 * steps[axis];
-    }
-    const glm::dmat4 texel_to_grid = map_to_grid * texel_to_map;
-    map.coefficients.resize(map.texels() * static_cast<std::size_t>(count));
-    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
-        ProjectRow row;
-        row.density = medium.grid();
-        row.clearance = medium.clearances();
-        row.texel_to_grid = affine(texel_to_grid);
-        row.weights = weights.data();
-        row.slices = slices;
-        row.count = count;
-        row.width = map.size.x;
-        row.y = y;
-        row.coefficients = map.coefficients.data() + static_cast<std::ptrdiff_t>(y) * map.size.x * count;
-        with.project_row(row);
-    });
+    const glm::dmat4 light_to_grid = glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light);
+    project(map, medium, extent.z, glm::length(glm::dvec3(light_to_grid[2])), with);
     find_solids(map, surfaces);
     return map;
 }
 
-void light_medium(CroppedMedium &medium, const LightMap &map, const Kernels &with) {
-    std::vector<float> occlusion(medium.lit.size() / 2, 0.0F);
-    LightSlice slice;
-    slice.map = map.view();
-    slice.clearance = medium.clearances();
-    slice.grid_to_map = affine(map.world_to_map * medium.grid_to_world);
-    slice.lit = medium.lit.data();
-    slice.occlusion = occlusion.data();
-    slice.nx = medium.resolution.x;
-    slice.ny = medium.resolution.y;
-    slice.nz = medium.resolution.z;
-    oneapi::tbb::parallel_for(0, medium.resolution.z, [&, slice](int z) {
-        LightSlice own = slice;
-        own.z = z;
-        with.light_slice(own);
-    });
-    // Most smoke stands in the open: then the march need not fetch what is zero everywhere.
-    if (std::none_of(occlusion.begin(), occlusion.end(), [](float share) { return share > 0.0F; })) {
-        return;
+LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const SurfaceView &surfaces,
+                          const LightMapSettings &settings, const Kernels &with) {
+    // The frame of the light looks at the middle of the smoke, so that the seams of the octahedron lie behind it.
+    const glm::dvec3 middle(medium.grid_to_world * glm::dvec4(0.5 * glm::dvec3(medium.resolution), 1.0));
+    const glm::dvec3 towards = middle - position;
+    const double distance = glm::length(towards);
+    const glm::dmat3 to_light = glm::transpose(axes_of(distance > 1e-9 ? towards : glm::dvec3(0.0, 0.0, 1.0)));
+    LightMap map;
+    map.radial = true;
+    map.count = settings.coefficients;
+    map.world_to_light = glm::dmat4(to_light);
+    map.world_to_light[3] = glm::dvec4(-(to_light * position), 1.0);
+
+    const std::array<glm::dvec3, 8> corners = corners_of(medium, map.world_to_light);
+    const glm::dvec3 cell(glm::inverse(medium.grid_to_world) * glm::dvec4(position, 1.0));
+    const glm::dvec3 outside = glm::max(glm::max(-cell, cell - glm::dvec3(medium.resolution)), 0.0);
+    const bool inside = glm::length(outside) == 0.0;
+    map.low = glm::dvec3(-1.0, -1.0, 0.0);
+    map.high = glm::dvec3(1.0, 1.0, 0.0);
+    for (const glm::dvec3 &p : corners) {
+        map.high.z = std::max(map.high.z, glm::length(p));
     }
-    std::vector<float> shaded(3 * occlusion.size());
-    for (std::size_t i = 0; i < occlusion.size(); ++i) {
-        shaded[3 * i] = medium.lit[2 * i];
-        shaded[3 * i + 1] = medium.lit[2 * i + 1];
-        shaded[3 * i + 2] = occlusion[i];
+    const bool before = std::all_of(corners.begin(), corners.end(), [](const glm::dvec3 &p) { return p.z > 0.0; });
+    if (!inside && before) {
+        // Straight edges bend where they cross from one face of the octahedron to the next, so a few points on each are
+        // looked at, and the margin is generous.
+        glm::dvec2 low(1.0), high(-1.0);
+        constexpr int POINTS = 16;
+        for (std::size_t a = 0; a < 8; ++a) {
+            for (std::size_t bit = 1; bit < 8; bit *= 2) {
+                for (int i = 0; (a & bit) == 0 && i <= POINTS; ++i) {
+                    const glm::dvec3 p = glm::mix(corners[a], corners[a | bit], double(i) / POINTS);
+                    const glsl::Octahedral place = glsl::octahedral(glm::vec3(p));
+                    low = glm::min(low, glm::dvec2(place.x, place.y));
+                    high = glm::max(high, glm::dvec2(place.x, place.y));
+                }
+            }
+        }
+        const glm::dvec2 margin = 0.02 * (high - low);
+        low = glm::max(low - margin, -1.0);
+        high = glm::min(high + margin, 1.0);
+        // The nearest point of the box lies nearer than all corners: the depth of its face, at least.
+        const glm::dvec3 nearest = glm::clamp(cell, glm::dvec3(0.0), glm::dvec3(medium.resolution));
+        const glm::dvec3 there(medium.grid_to_world * glm::dvec4(nearest, 1.0));
+        map.low = glm::dvec3(low, 0.5 * glm::distance(there, position));
+        map.high = glm::dvec3(high, map.high.z);
     }
-    medium.lit = std::move(shaded);
-    medium.channels = 3;
+    // A texel spans a cell, or the share asked for, at the middle of the smoke; near the light it spans less.
+    const double reach = std::max(distance, 0.25 * map.high.z);
+    const double texel = medium.cell_size / (settings.texels_per_cell * reach);
+    const glm::dvec2 extent(map.high - map.low);
+    map.size = texels_for(extent, texel, map.count);
+    // The rim of two texels must lie outside the smoke, unless the map is all that there is.
+    const glm::dvec2 rim = extent / glm::dvec2(map.size - 2);
+    map.low = glm::dvec3(glm::max(glm::dvec2(map.low) - rim, -1.0), map.low.z);
+    map.high = glm::dvec3(glm::min(glm::dvec2(map.high) + rim, 1.0), map.high.z);
+    const double length = map.high.z - map.low.z;
+    project(map, medium, length, length / medium.cell_size, with);
+    find_solids(map, surfaces);
+    return map;
 }
 
 } // namespace sfumato

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The light map of a sun: a Fourier opacity map of the column density along the light, and where solids begin.
+// A light map: a Fourier opacity map of one medium's column density along the rays of one point of a light, and where
+// solids begin on them.
 #pragma once
 
 #include "kernels.hpp"
@@ -17,26 +18,34 @@ namespace sfumato {
 struct LightMap {
     int count = 1; // coefficients a texel, odd: a0, a1, b1, a2, b2, ...
     glm::ivec2 size{0};
+    bool radial = false;
+    glm::dmat4 world_to_light{1.0};  // see LightMapView
+    glm::dvec3 low{0.0}, high{1.0};  // radial: the rectangle of the octahedral square, and the distances
     std::vector<float> coefficients; // of the column density: metres times density
     std::vector<float> solid_depth;
-    glm::dmat4 world_to_map{1.0}; // (x, y) over the map and z along the light, all in [0, 1]
 
     [[nodiscard]] LightMapView view() const;
     [[nodiscard]] std::size_t texels() const {
         return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
     }
-    // Column density between the sun and each of `points` (x, y, z in turn).
+    // Column density between the light and each of `points` (x, y, z in turn).
     void look_up(std::span<const float> points, std::span<float> columns) const;
 };
 
-// The coordinate frame of a sun: columns are two axes across the light and the light's direction.
-glm::dmat3 light_axes(const Sun &sun);
+struct LightMapSettings {
+    int coefficients = 31;
+    double texels_per_cell = 1.0; // against the shortest edge of the medium's cells, within 256 MiB a map
+};
 
-// `texels_per_cell` relates the map's texels to the shortest edge of the medium's cells, within 256 MiB a map.
-LightMap build_light_map(const CroppedMedium &medium, const Sun &sun, const SurfaceView &surfaces, int count,
-                         double texels_per_cell, const Kernels &with = kernels());
+// Light that travels in `direction` everywhere.
+LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const SurfaceView &surfaces,
+                            const LightMapSettings &settings, const Kernels &with = kernels());
 
-// Fills the medium's channel of column density, and adds one of occlusion where a solid shades the smoke.
-void light_medium(CroppedMedium &medium, const LightMap &map, const Kernels &with = kernels());
+// Light that leaves `position` in all directions. The position may lie in the medium.
+LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const SurfaceView &surfaces,
+                          const LightMapSettings &settings, const Kernels &with = kernels());
+
+// Two axes across a direction, and the direction.
+glm::dmat3 axes_of(const glm::dvec3 &direction);
 
 } // namespace sfumato

@@ -55,9 +55,9 @@ std::vector<float> occupied_bricks(const CroppedMedium &medium, float threshold)
     const auto mark = [&](int brick_z) {
         for (int z = std::max(0, brick_z * BRICK - 1); z <= std::min(n.z - 1, (brick_z + 1) * BRICK); ++z) {
             for (int y = 0; y < n.y; ++y) {
-                const float *row = medium.lit.data() + row_of(n, y, z) * medium.channels;
+                const float *row = medium.density.data() + row_of(n, y, z);
                 for (int x = 0; x < n.x; ++x) {
-                    if (row[static_cast<std::ptrdiff_t>(x) * medium.channels] <= threshold) {
+                    if (row[x] <= threshold) {
                         continue;
                     }
                     // A sample on a brick's rim is reached from the neighbour too.
@@ -121,8 +121,8 @@ std::vector<float> clearances_of(std::vector<float> distance, glm::ivec3 bricks)
 
 } // namespace
 
-GridView CroppedMedium::grid() const {
-    return {lit.data(), channels, resolution.x, resolution.y, resolution.z};
+GridView CroppedMedium::density_grid() const {
+    return {density.data(), 1, resolution.x, resolution.y, resolution.z};
 }
 
 ClearanceView CroppedMedium::clearances() const {
@@ -132,10 +132,8 @@ ClearanceView CroppedMedium::clearances() const {
 CroppedMedium crop(const Medium &medium) {
     CroppedMedium out;
     out.extinction = medium.scattering + medium.absorption;
+    out.scattering = medium.scattering;
     out.anisotropy = medium.anisotropy;
-    for (int c = 0; c < 3; ++c) {
-        out.albedo[c] = out.extinction[c] > 0.0F ? medium.scattering[c] / out.extinction[c] : 0.0F;
-    }
     const float strongest = std::max({out.extinction.x, out.extinction.y, out.extinction.z});
     if (!(strongest > 0.0F)) {
         return out;
@@ -155,20 +153,13 @@ CroppedMedium crop(const Medium &medium) {
     for (int axis = 0; axis < 3; ++axis) {
         out.cell_size = std::min(out.cell_size, glm::length(glm::dvec3(to_world[axis])));
     }
-    out.lit.assign(static_cast<std::size_t>(out.channels) * cells(out.resolution), 0.0F);
+    out.density.assign(cells(out.resolution), 0.0F);
     const glm::ivec3 size(medium.resolution);
     for (int z = bounds.low.z; z < bounds.high.z; ++z) {
         for (int y = bounds.low.y; y < bounds.high.y; ++y) {
             const float *source = medium.density.data() + row_of(size, y, z);
-            float *target =
-                out.lit.data() +
-                ((static_cast<std::ptrdiff_t>(z - bounds.low.z + 1) * out.resolution.y + (y - bounds.low.y + 1)) *
-                     out.resolution.x +
-                 1) *
-                    out.channels;
-            for (int x = bounds.low.x; x < bounds.high.x; ++x, target += out.channels) {
-                *target = source[x];
-            }
+            std::copy(source + bounds.low.x, source + bounds.high.x,
+                      out.density.data() + row_of(out.resolution, y - bounds.low.y + 1, z - bounds.low.z + 1) + 1);
         }
     }
     out.bricks = (out.resolution + BRICK - 1) / BRICK;

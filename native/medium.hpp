@@ -12,22 +12,21 @@
 namespace sfumato {
 
 struct CroppedMedium {
-    // Interleaved: the density, the column density towards the sun, and where there are three channels the share of the
-    // sun that solids keep back.
-    std::vector<float> lit;
-    int channels = 2;
+    std::vector<float> density;
+    std::vector<float> light; // of all lights in turn, see MediumView
+    int light_channels = 0;
     glm::ivec3 resolution{0}; // with one empty cell on every side
     glm::dmat4 grid_to_world{1.0};
     std::vector<float> clearance;
     glm::ivec3 bricks{0};
     glm::vec3 extinction{0.0F}; // per metre and unit density
-    glm::vec3 albedo{0.0F};
+    glm::vec3 scattering{0.0F};
     float anisotropy = 0.0F;
     double cell_size = 0.0; // the shortest edge, metres
 
     [[nodiscard]] bool grey() const { return extinction.x == extinction.y && extinction.y == extinction.z; }
-    [[nodiscard]] bool empty() const { return lit.empty(); }
-    [[nodiscard]] GridView grid() const;
+    [[nodiscard]] bool empty() const { return density.empty(); }
+    [[nodiscard]] GridView density_grid() const;
     [[nodiscard]] ClearanceView clearances() const;
 };
 

@@ -77,6 +77,17 @@ inline Texels locate(const LightMapView &map, Real x, Real y) {
     return texels;
 }
 
+// Where a point in the world lies on a map: x and y across it, and its depth along the light.
+inline vec3 place_on(const LightMapView &map, const vec3 &world) {
+    const vec3 p = transform_point(map.world_to_light, world);
+    if (!map.radial) {
+        return p;
+    }
+    const Octahedral place = octahedral(p);
+    return {(place.x - map.low[0]) * map.scale[0], (place.y - map.low[1]) * map.scale[1],
+            (sqrt(dot(p, p)) - map.low[2]) * map.scale[2]};
+}
+
 // The column density between the light and depth z (eq 3 of the paper). Before the map's range it is 0, beyond it the
 // total; sideways of it the outermost texels, which are empty, answer.
 inline Real column_density(const LightMapView &map, const Texels &texels, Real z) {

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scenes and cameras: what Python hands over, checked.
+#include "camera.hpp"
+#include "kernels.hpp"
+#include "module_arguments.hpp"
+#include "module_parts.hpp"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <pybind11/stl.h>
+
+namespace sfumato {
+namespace {
+
+using namespace arguments;
+
+void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
+              const Doubles &material, const Floats &albedo) {
+    require_shape(vertices, {-1, 3}, "vertices");
+    require_shape(triangles, {-1, 3}, "triangles");
+    const py::ssize_t count = triangles.shape(0);
+    require_shape(corner_normals, {count, 3, 3}, "corner_normals");
+    require_shape(material, {count}, "material");
+    require_shape(albedo, {-1, 3}, "albedo");
+    require_finite(vertices, "vertices");
+    require_finite(corner_normals, "corner_normals");
+    require_range(albedo, 0.0F, 1.0F, "albedo");
+    const std::vector<std::uint32_t> corners = indices(triangles, vertices.shape(0), "triangles");
+    Mesh mesh;
+    mesh.material = indices(material, albedo.shape(0), "material");
+    const auto vectors = [](const Floats &array, std::vector<glm::vec3> &out) {
+        const auto *first = reinterpret_cast<const glm::vec3 *>(array.data());
+        out.assign(first, first + array.size() / 3);
+    };
+    vectors(vertices, mesh.vertices);
+    vectors(albedo, mesh.albedo);
+    const auto *normals = reinterpret_cast<const glm::vec3 *>(corner_normals.data());
+    for (std::size_t first = 0; first < corners.size(); first += 3) {
+        mesh.triangles.emplace_back(corners[first], corners[first + 1], corners[first + 2]);
+        mesh.corner_normals.push_back({normals[first], normals[first + 1], normals[first + 2]});
+    }
+    scene.meshes.push_back(std::move(mesh));
+}
+
+void add_medium(Scene &scene, const Floats &density, const Doubles &grid_to_world, const Floats &scattering,
+                const Floats &absorption, float anisotropy) {
+    require_shape(density, {-1, -1, -1}, "density");
+    if (density.size() == 0) {
+        throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
+    }
+    constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // the lanes' indices have 32 bits
+    if (density.size() > MOST_CELLS) {
+        throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
+    }
+    require_range(density, 0.0F, 1e30F, "density");
+    if (scene.media.size() == MAX_MEDIA) {
+        throw py::value_error("scene holds " + std::to_string(MAX_MEDIA) + " media, and can hold no more");
+    }
+    Medium medium;
+    require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
+    medium.grid_to_world = glm::mat4(matrix4(grid_to_world, "grid_to_world"));
+    for (int column = 0; column < 4; ++column) {
+        if (medium.grid_to_world[column][3] != (column == 3 ? 1.0F : 0.0F)) {
+            throw py::value_error("grid_to_world holds " + text(medium.grid_to_world[column][3]) + " at flat index " +
+                                  text(12 + column) + "; its last row must be 0, 0, 0, 1");
+        }
+    }
+    const double determinant = glm::determinant(glm::dmat4(medium.grid_to_world));
+    if (!(std::abs(determinant) > 0.0)) {
+        throw py::value_error("grid_to_world flattens the grid: its determinant is 0");
+    }
+    medium.resolution = {density.shape(2), density.shape(1), density.shape(0)};
+    medium.density.assign(density.data(), density.data() + density.size());
+    medium.scattering = vector3(scattering, "scattering");
+    medium.absorption = vector3(absorption, "absorption");
+    require_range(scattering, 0.0F, 1e30F, "scattering");
+    require_range(absorption, 0.0F, 1e30F, "absorption");
+    require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
+    medium.anisotropy = anisotropy;
+    scene.media.push_back(std::move(medium));
+}
+
+glm::vec3 unit_vector(const Floats &array, const std::string &name) {
+    const glm::dvec3 v(vector3(array, name));
+    const double length = glm::length(v);
+    if (!(length > 0.0)) {
+        throw py::value_error(name + " is (0, 0, 0), but must point somewhere");
+    }
+    return glm::vec3(v / length);
+}
+
+glm::vec3 strength_of(const Floats &array, const std::string &name) {
+    require_range(array, 0.0F, 1e30F, name);
+    return vector3(array, name);
+}
+
+glm::vec3 place_of(const Floats &array, const std::string &name) {
+    require_range(array, -1e15F, 1e15F, name);
+    return vector3(array, name);
+}
+
+void add_sun(Scene &scene, const Floats &direction, const Floats &irradiance, float angle) {
+    Light light;
+    light.kind = Light::Kind::SUN;
+    light.direction = unit_vector(direction, "direction");
+    light.strength = strength_of(irradiance, "irradiance");
+    require_range(angle, 0.0F, 3.1415F, "angle");
+    light.angle = angle;
+    scene.lights.push_back(light);
+}
+
+void add_point(Scene &scene, const Floats &position, const Floats &intensity, float radius, const Floats &direction,
+               float cone, float blend) {
+    Light light;
+    light.kind = Light::Kind::SPHERE;
+    light.position = place_of(position, "position");
+    light.strength = strength_of(intensity, "intensity");
+    light.direction = unit_vector(direction, "direction");
+    require_range(radius, 0.0F, 1e15F, "radius");
+    require_range(cone, 1e-3F, 6.2831855F, "cone");
+    require_range(blend, 0.0F, 1.0F, "blend");
+    light.radius = radius;
+    light.cone = cone;
+    light.blend = blend;
+    scene.lights.push_back(light);
+}
+
+void add_area(Scene &scene, const Floats &position, const Floats &across, const Floats &up, const Floats &radiance,
+              bool ellipse, float spread) {
+    Light light;
+    light.kind = ellipse ? Light::Kind::ELLIPSE : Light::Kind::RECTANGLE;
+    light.position = place_of(position, "position");
+    light.across = place_of(across, "across");
+    light.up = place_of(up, "up");
+    light.strength = strength_of(radiance, "radiance");
+    const glm::dvec3 x = light.across, y = light.up, normal = glm::cross(x, y);
+    const double edges = glm::length(x) * glm::length(y);
+    if (!(edges > 1e-20)) {
+        throw py::value_error("across and up have lengths " + text(glm::length(x)) + " and " + text(glm::length(y)) +
+                              ": the light has no area");
+    }
+    if (std::abs(glm::dot(x, y)) > 1e-3 * edges) {
+        throw py::value_error("across and up must be at right angles, but the cosine of their angle is " +
+                              text(glm::dot(x, y) / edges));
+    }
+    require_range(spread, 1e-3F, 3.1415928F, "spread");
+    light.direction = glm::vec3(-glm::normalize(normal));
+    light.spread = spread;
+    scene.lights.push_back(light);
+}
+
+py::array_t<float> corners(const Camera &camera) {
+    std::vector<float> values;
+    for (const auto &plane : {camera.near, camera.far}) {
+        for (const glm::vec3 &v : plane) {
+            values.insert(values.end(), {v.x, v.y, v.z});
+        }
+    }
+    return to_numpy(std::move(values), {6, 3});
+}
+
+} // namespace
+
+void bind_scene(py::module_ &m) {
+    py::class_<Scene>(m, "Scene", R"(Meshes, smoke and lights.
+
+>>> scene = Scene()
+>>> scene.add_sun((0, 0, -1), irradiance=(1, 1, 1), angle=0.0)
+>>> scene.set_background((0.5, 0.5, 0.5))
+)")
+        .def(py::init<>())
+        .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::arg("corner_normals"),
+             py::arg("material"), py::arg("albedo"),
+             R"(Add triangles that reflect diffusely.
+
+vertices (n, 3), metres in world space; triangles (m, 3), indices into vertices; corner_normals (m, 3, 3), unit
+length; material (m,), indices into albedo; albedo (k, 3) in [0, 1].
+Raises ValueError for wrong shapes, indices out of range and values that are not finite.
+
+>>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])
+)")
+        .def("add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
+             py::arg("absorption"), py::arg("anisotropy") = 0.0F,
+             R"(Add a body of smoke, of which there may be eight. Where they overlap, their densities add.
+
+density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; grid_to_world (4, 4) takes
+cells to metres: cell (i, j, k) fills [i, i + 1] and so on; scattering and absorption (3,), per metre and unit
+density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1).
+Raises ValueError for an empty, negative or non-finite density and for a matrix that flattens the grid.
+
+>>> import numpy as np
+>>> Scene().add_medium(np.ones((4, 4, 4)), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
+)")
+        .def("add_sun", &add_sun, py::arg("direction"), py::arg("irradiance"), py::arg("angle") = 0.0F,
+             R"(Add a sun: direction (3,) in which its light travels; irradiance (3,) in W/m^2 on a surface that
+faces it; angle, its angular diameter in radians.
+
+>>> Scene().add_sun((0, 0, -1), (4, 4, 4), angle=0.009)
+)")
+        .def("add_point", &add_point, py::arg("position"), py::arg("intensity"), py::arg("radius") = 0.0F,
+             py::arg("direction") = std::array<float, 3>{0.0F, 0.0F, -1.0F}, py::arg("cone") = 6.2831853F,
+             py::arg("blend") = 0.0F,
+             R"(Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
+cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in over the share
+blend, in [0, 1], of 1 - cos(cone / 2).
+
+>>> Scene().add_point((0, 0, 3), (10, 10, 10), radius=0.1, cone=0.8, blend=0.15)
+)")
+        .def("add_area", &add_area, py::arg("position"), py::arg("across"), py::arg("up"), py::arg("radiance"),
+             py::arg("ellipse") = false, py::arg("spread") = 3.1415927F,
+             R"(Add a rectangle, or the ellipse in it: position (3,) of its middle; across (3,) and up (3,), half its
+axes, at right angles; radiance (3,) in W/(m^2 sr), straight ahead. It shines along cross(up, across), into the whole
+angle spread, radians, in which it fades as 1 - tan(angle) / tan(spread / 2).
+Raises ValueError for a light without area, and for axes that are not at right angles.
+
+>>> Scene().add_area((0, 0, 3), (0.5, 0, 0), (0, 0.5, 0), (4, 4, 4))
+)")
+        .def(
+            "set_background",
+            [](Scene &scene, const Floats &radiance) {
+                require_range(radiance, 0.0F, 1e30F, "radiance");
+                scene.background = vector3(radiance, "radiance");
+            },
+            py::arg("radiance"),
+            "Set the radiance (3,) where no surface is. It lights nothing.\n\n"
+            ">>> Scene().set_background((0, 0, 0))\n");
+
+    py::class_<Camera>(m, "Camera", R"(The rays of a projection.
+
+view_projection (4, 4) takes world space to OpenGL's clip space, perspective or orthographic.
+Raises ValueError if it cannot be inverted.
+
+>>> import numpy as np
+>>> Camera(np.eye(4)).corners.shape
+(6, 3)
+)")
+        .def(py::init([](const Doubles &matrix) { return camera_from(matrix4(matrix, "view_projection")); }),
+             py::arg("view_projection"))
+        .def_property_readonly("corners", &corners,
+                               "(6, 3): near0, near_u, near_v, far0, far_u, far_v of shaders/camera.glsl.");
+}
+
+} // namespace sfumato
