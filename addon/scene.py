@@ -12,11 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import compat, core, log, materials, props, smoke
+from . import compat, core, lights, log, materials, props, smoke
 
-# Above this the sun's disk blurs the shadow of smoke by more than a twentieth of its distance; below, by little more than
-# the smoke's own cells do.
-WIDE_SUN = np.radians(3.0)
+MOST_MEDIA, MOST_LIGHTS = 5, 16  # what the viewport's shader takes
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
@@ -31,21 +29,17 @@ class Export:
 def export(depsgraph: Any) -> Export:
     """Everything that `depsgraph` shows. Raises core.Missing without the native module."""
     out = Export(core.module().Scene())
-    suns: list[tuple[float, str, tuple[Any, ...]]] = []
+    lit = 0
     media: list[tuple[str, smoke.Medium]] = []
     for instance in depsgraph.object_instances:
         thing = instance.object
         matrix = np.array(instance.matrix_world, dtype=np.float64)
         if not instance.show_self:
             continue
-        if thing.type == "LIGHT":
-            if thing.data.type == "SUN":
-                irradiance = compat.light_colour(thing.data)
-                suns.append((float(irradiance.max()), thing.name, (-matrix[:3, 2], irradiance, thing.data.angle)))
-            else:
-                out.notices.append(f"{thing.name}: only sun lights are shown yet, not {thing.data.type.lower()} lights")
-            continue
         try:
+            if thing.type == "LIGHT":
+                lit += lights.add_light(out.scene, thing, matrix, out.notices)
+                continue
             medium = smoke.medium_of(thing, matrix, depsgraph, out.notices)
             if medium is not None:
                 media.append((thing.name, medium))
@@ -53,8 +47,11 @@ def export(depsgraph: Any) -> Export:
                 add_surface(out, thing, matrix)
         except ValueError as error:
             out.notices.append(f"{thing.name}: {error}")
-    set_sun(out, suns)
-    set_medium(out, media)
+    if lit == 0:
+        out.notices.append("No light: nothing is lit. Add one, or raise its strength")
+    if lit > MOST_LIGHTS:
+        out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
+    add_media(out, media)
     out.scene.set_background(materials.background(depsgraph.scene, out.notices))
     return out
 
@@ -101,34 +98,14 @@ def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> None:
     out.scene.add_mesh(world, triangles.reshape(-1, 3), turned, slots, albedo)
 
 
-def set_sun(out: Export, suns: list[tuple[float, str, tuple[Any, ...]]]) -> None:
-    """The strongest sun lights the scene."""
-    suns = sorted((sun for sun in suns if sun[0] > 0.0), key=lambda sun: sun[0], reverse=True)
-    if not suns:
-        out.notices.append("No sun light: nothing is lit. Add a sun, or raise its strength")
-        return
-    for _, name, _ in suns[1:]:
-        out.notices.append(f"{name}: only the strongest sun is shown yet, {suns[0][1]}")
-    try:
-        direction, irradiance, angle = suns[0][2]
-        if angle > WIDE_SUN:
-            out.notices.append(
-                f"{suns[0][1]}: its angle of {np.degrees(angle):.1f}° softens the shadows of solids, not yet of smoke"
-            )
-        out.scene.set_sun(direction, irradiance, min(float(angle), 3.1415))
-    except ValueError as error:
-        out.notices.append(f"{suns[0][1]}: {error}")
-
-
-def set_medium(out: Export, media: list[tuple[str, smoke.Medium]]) -> None:
-    """One body of smoke: the one with the most in it."""
+def add_media(out: Export, media: list[tuple[str, smoke.Medium]]) -> None:
+    """The bodies of smoke; where there are too many, those with the most in them."""
     media = sorted(media, key=lambda entry: float(entry[1].density.sum()), reverse=True)
-    for name, _ in media[1:]:
-        out.notices.append(f"{name}: only one smoke domain is shown yet, {media[0][0]}")
-    if media:
-        name, medium = media[0]
+    for name, _ in media[MOST_MEDIA:]:
+        out.notices.append(f"{name}: only {MOST_MEDIA} bodies of smoke are shown; this one has the least in it")
+    for name, medium in media[:MOST_MEDIA]:
         try:
-            out.scene.set_medium(
+            out.scene.add_medium(
                 medium.density, medium.grid_to_world, medium.scattering, medium.absorption, medium.anisotropy
             )
         except ValueError as error:

@@ -27,13 +27,18 @@ from . import core, log, props, scene
 
 SHADING_TYPES = ("SOLID", "MATERIAL")  # where the overlay draws
 
-# The share of its light that a surface is taken to have from the sun, in views that are not lit by the sun alone.
+# The share of its light that a surface is taken to have from the lights, in views that are not lit by them alone.
 SHADOW_STRENGTH = 0.8
 
 # The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
 OPAQUE_DEPTH = 12.0
 
 BRICK = 4  # cells along the edge of a brick of LitMedium.clearance
+
+MOST_MEDIA, MOST_LIGHTS = (
+    5,
+    16,
+)  # smoke_uniforms.glsl; each medium takes three of the 16 textures that a shader may have
 
 PICTURES_KEPT = 8  # a quad view has four
 
@@ -51,8 +56,9 @@ def _shader_text(name: str) -> str:
     return (folder / name).read_text(encoding="utf-8")
 
 
-def _compile(name: str, declare: Callable[[Any], None], fragment: list[str]) -> Any:
-    """Compile the screen triangle with a fragment shader put together from the files `fragment`; the last has main()."""
+def _compile(name: str, declare: Callable[[Any], None], fragment: list[str], generated: str = "") -> Any:
+    """Compile the screen triangle with a fragment shader put together from the files `fragment`; the last has main(), and
+    what is generated comes before it."""
     import gpu
 
     info = gpu.types.GPUShaderCreateInfo()
@@ -60,16 +66,21 @@ def _compile(name: str, declare: Callable[[Any], None], fragment: list[str]) -> 
     declare(info)
     info.vertex_source(_shader_text("viewport/screen_vertex.glsl"))
     prelude = "#define pick(condition, a, b) ((condition) ? (a) : (b))\n"
-    info.fragment_source(prelude + "".join(_shader_text(file) for file in fragment))
+    texts = [_shader_text(file) for file in fragment]
+    info.fragment_source(prelude + "".join(texts[:-1]) + generated + texts[-1])
     try:
         return gpu.shader.create_from_info(info)
     except Exception as error:  # gpu raises the bare class
         raise ShaderError(f"shaders/{fragment[-1]} ({name}): {error}") from error
 
 
-def _smoke_shader(colours: int, overlay: bool) -> Any:
+MEDIUM_TEXTURES = ("density", "light", "clearance")
+
+
+def _smoke_shader(colours: int, media: int, overlay: bool) -> Any:
     def declare(info: Any) -> None:
         info.define("COLOURS", str(colours))
+        info.define("MEDIA", str(media))
         info.define("OPAQUE_DEPTH", f"{OPAQUE_DEPTH:.1f}f")
         if overlay:
             info.define("OVERLAY", "1")
@@ -78,14 +89,30 @@ def _smoke_shader(colours: int, overlay: bool) -> Any:
         info.typedef_source(_shader_text("viewport/smoke_uniforms.glsl"))
         info.uniform_buf(0, "SmokeView", "view")
         info.sampler(0, "FLOAT_2D", "surfaces")
-        info.sampler(1, "FLOAT_3D", "lit_volume")
-        info.sampler(2, "FLOAT_3D", "clearance")
-        info.sampler(3, "FLOAT_2D_ARRAY", "light_map")
+        for medium in range(media):
+            for slot, name in enumerate(MEDIUM_TEXTURES):
+                info.sampler(1 + len(MEDIUM_TEXTURES) * medium + slot, "FLOAT_3D", f"{name}_{medium}")
 
-    shared = ["camera.glsl", "opacity.glsl", "phase.glsl", "medium.glsl"]
-    return _compile(
-        f"{colours} colours{', overlay' if overlay else ''}", declare, shared + ["viewport/smoke_fragment.glsl"]
-    )
+    files = ["camera.glsl", "opacity.glsl", "phase.glsl", "light.glsl", "medium.glsl"]
+    textures = _shader_text("viewport/smoke_textures.glsl")
+    accessors = [textures.replace("NUMBER", str(medium)) for medium in range(media)]
+    accessors += [_by_medium(*function, media) for function in MEDIUM_FUNCTIONS]
+    name = f"{colours} colours, {media} media{', overlay' if overlay else ''}"
+    return _compile(name, declare, files + ["viewport/smoke_fragment.glsl"], "".join(accessors))
+
+
+# The functions of smoke_textures.glsl.
+MEDIUM_FUNCTIONS = (
+    ("float", "clearance_at", "ivec3 brick", "brick"),
+    ("float", "density_at", "vec3 place", "place"),
+    ("vec4", "light_at", "vec3 place, float light, float lights, float cells", "place, light, lights, cells"),
+)
+
+
+def _by_medium(kind: str, name: str, parameters: str, arguments: str, media: int) -> str:
+    """A GLSL function that hands a call on to that of the medium whose number comes first."""
+    cases = [f"if (medium == {m}) {{ return {name}_{m}({arguments}); }}" for m in range(1, media)]
+    return f"{kind} {name}(int medium, {parameters})\n{{ {' '.join(cases)} return {name}_0({arguments}); }}\n"
 
 
 def _composite_shader() -> Any:
@@ -120,55 +147,57 @@ def _texture(size: tuple[int, ...], channels: str, data: np.ndarray, layers: int
     return gpu.types.GPUTexture(size, layers=layers, format=f"{channels}32F", data=buffer)
 
 
-def light_map_layers(light_map: np.ndarray) -> np.ndarray:
-    """(h, w, 1+2m) coefficients a0, a1, b1, ... as (layers, h, w, 4): a_2j, b_2j, a_2j+1, b_2j+1, with b_0 = 0."""
-    height, width, coefficients = light_map.shape
-    layers = (coefficients + 1 + 3) // 4
-    pairs = np.zeros((height, width, 4 * layers), np.float32)
-    pairs[..., 0] = light_map[..., 0]
-    pairs[..., 2 : coefficients + 1] = light_map[..., 1:]
-    return np.ascontiguousarray(pairs.reshape(height, width, layers, 4).transpose(2, 0, 1, 3))
-
-
 class _Smoke:
     """The smoke of one frame on the GPU, and what the shader needs to know of it."""
 
     def __init__(self, frame: Any) -> None:
         self.frame = frame  # kept: its identity is the key
-        # Where there is no smoke, or no light on it, one empty cell stands in: the shader has one case less.
-        volume, clearance = np.zeros((1, 1, 1, 2), np.float32), np.zeros((1, 1, 1), np.float32)
-        light_map = np.zeros((1, 1, 1), np.float32)
-        uniforms = np.zeros((17, 4), np.float32)  # SmokeView; the rows that the camera decides stay empty
-        uniforms[13, 3] = frame.step_length
-        if frame.medium is not None:
-            medium = frame.medium
-            volume, clearance = medium.lit_volume, medium.clearance
-            uniforms[6:9] = np.linalg.inv(medium.grid_to_world)[:3]
-            uniforms[12] = (*medium.extinction, medium.anisotropy)
-            if frame.light_map is not None:
-                light_map = frame.light_map.coefficients
-                direction, irradiance, _angle = frame.sun
-                uniforms[9:12] = frame.light_map.world_to_map[:3]
-                uniforms[13, :3] = irradiance * medium.albedo
-                uniforms[14] = (*direction, SHADOW_STRENGTH)
-        nz, ny, nx, channels = volume.shape
-        uniforms[15] = (nx, ny, nz, 1.0 / BRICK)
-        uniforms[16, 2] = (light_map.shape[2] - 1) // 2
-        self.uniforms = uniforms
-        self.colours = 1 if frame.medium is None or np.ptp(frame.medium.extinction) == 0.0 else 3
-        if channels == 3:  # there are no textures of three floats; two leave the third channel zero
-            volume = np.concatenate((volume, np.zeros((nz, ny, nx, 1), np.float32)), axis=-1)
-        self.lit_volume = _texture((nx, ny, nz), "RG" if channels == 2 else "RGBA", volume)
-        self.clearance = _texture(clearance.shape[::-1], "R", clearance)
-        layers = light_map_layers(light_map)
-        self.light_map = _texture(layers.shape[2:0:-1], "RGBA", layers, layers=layers.shape[0])
+        media = frame.media[:MOST_MEDIA]
+        lights = np.asarray(frame.lights)[:MOST_LIGHTS]
+        self.lights = len(lights)
+        self.textures: dict[str, Any] = {}
+        self.colours = 3 if any(np.ptp(medium.extinction) > 0.0 for medium in frame.media) else 1
+        self.media = max(1, len(media))
+        self.uniforms = np.zeros((7 + 3 * MOST_LIGHTS + 6 * MOST_MEDIA, 4), np.float32)  # SmokeView
+        self.uniforms[7 : 7 + 3 * self.lights] = lights.reshape(-1, 4)
+        first = 7 + 3 * MOST_LIGHTS
+        for number, medium in enumerate(media):
+            rows = self.uniforms[first + 6 * number : first + 6 * number + 6]
+            density, light = medium.density, medium.light[: self.lights]
+            rows[:3] = np.linalg.inv(medium.grid_to_world)[:3]
+            rows[3] = (*density.shape[::-1], 1.0 / BRICK)
+            rows[4] = (*medium.extinction, frame.step_length)
+            rows[5] = (*medium.scattering, medium.anisotropy)
+            depth, height, width = density.shape
+            self._add(number, _texture((width, height, depth), "R", density), light, medium.clearance)
+        if not media:
+            # Where there is no smoke one empty cell stands in: the shader has one case less.
+            self.uniforms[first : first + 6] = [
+                (1, 0, 0, 0),
+                (0, 1, 0, 0),
+                (0, 0, 1, 0),
+                (1, 1, 1, 1),
+                (0, 0, 0, 1),
+                (0,) * 4,
+            ]
+            nothing = np.zeros((1, 1, 1), np.float32)
+            self._add(0, _texture((1, 1, 1), "R", nothing), np.zeros((0, 1, 1, 1, 2), np.float32), nothing)
+
+    def _add(self, number: int, density: Any, light: np.ndarray, clearance: np.ndarray) -> None:
+        _, depth, height, width, channels = light.shape
+        if self.lights == 0 or light.shape[0] == 0:
+            light = np.zeros((1, depth, height, width, channels), np.float32)
+        size = (width, height, depth * light.shape[0])
+        self.textures[f"density_{number}"] = density
+        self.textures[f"light_{number}"] = _texture(size, "RG" if channels == 2 else "RGBA", light)
+        self.textures[f"clearance_{number}"] = _texture(clearance.shape[::-1], "R", clearance)
 
     def uniform_buffer(self, corners: np.ndarray, look: Look) -> Any:
         import gpu
 
         uniforms = self.uniforms.copy()
         uniforms[:6, :3] = corners
-        uniforms[16, [0, 1, 3]] = (*look.size, look.solids_shade)
+        uniforms[6] = (*look.size, self.lights, SHADOW_STRENGTH)
         return gpu.types.GPUUniformBuf(gpu.types.Buffer("FLOAT", uniforms.size, uniforms.ravel()))
 
 
@@ -183,6 +212,13 @@ class Look:
     size: tuple[int, int]  # pixels
     overlay: bool = False  # over Blender's picture, or by ourselves
     solids_shade: bool = False  # whether that picture shows the shadows of solids; else an overlay adds those too
+
+    @property
+    def output(self) -> str:
+        """What is asked of Frame.surfaces."""
+        if not self.overlay:
+            return "radiance"
+        return "smoke_shadow" if self.solids_shade else "all_shadows"
 
 
 @dataclass(frozen=True)
@@ -258,11 +294,11 @@ class Painter:
         if smoke is None or smoke.frame is not frame:
             self._smoke.pop(look.overlay, None)  # free first: two large volumes may not fit
             smoke = self._smoke[look.overlay] = _Smoke(frame)
-        colours = smoke.colours
-        shader = self._shader((colours, look.overlay), lambda: _smoke_shader(colours, look.overlay))
+        variant = (smoke.colours, smoke.media, look.overlay)
+        shader = self._shader(variant, lambda: _smoke_shader(*variant))
 
         camera = core.module().Camera(np.reshape(look.matrix, (4, 4)))
-        surfaces = _texture(look.size, "RGBA", frame.surfaces(camera, *look.size, lit=not look.overlay))
+        surfaces = _texture(look.size, "RGBA", frame.surfaces(camera, *look.size, output=look.output))
         targets = [gpu.types.GPUTexture(look.size, format="RGBA16F") for _ in range(2 if look.overlay else 1)]
         buffer = gpu.types.GPUFrameBuffer(color_slots=targets)
         uniforms = smoke.uniform_buffer(camera.corners, look)
@@ -270,9 +306,8 @@ class Painter:
             shader.bind()
             shader.uniform_block("view", uniforms)
             shader.uniform_sampler("surfaces", surfaces)
-            shader.uniform_sampler("lit_volume", smoke.lit_volume)
-            shader.uniform_sampler("clearance", smoke.clearance)
-            shader.uniform_sampler("light_map", smoke.light_map)
+            for name, texture in smoke.textures.items():
+                shader.uniform_sampler(name, texture)
             self._draw(shader)
         return Picture(frame, look, targets[0], targets[1] if look.overlay else None, buffer)
 
@@ -370,7 +405,7 @@ class _Overlay:
         with self._reporting():
             context = bpy.context
             frame = self._current_frame(context)
-            if frame is None or frame.medium is None:
+            if frame is None or not frame.media:
                 return
             shading = context.space_data.shading
             scene_lights = shading.type == "MATERIAL" and shading.use_scene_lights

@@ -18,7 +18,7 @@
 namespace sfumato {
 
 constexpr int MAX_LANES = 16;
-constexpr std::size_t MAX_MEDIA = 8; // in one frame
+constexpr std::size_t MAX_MEDIA = 5; // in one frame: what the viewport has textures for
 
 // An affine map by its rows, (x, y, z, translation).
 struct Affine {

@@ -181,7 +181,7 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
 )")
         .def("add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
              py::arg("absorption"), py::arg("anisotropy") = 0.0F,
-             R"(Add a body of smoke, of which there may be eight. Where they overlap, their densities add.
+             R"(Add a body of smoke, of which there may be five. Where they overlap, their densities add.
 
 density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; grid_to_world (4, 4) takes
 cells to metres: cell (i, j, k) fills [i, i + 1] and so on; scattering and absorption (3,), per metre and unit

@@ -1,59 +1,72 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The smoke pass: for each pixel, march the lit volume up to the first surface and darken that surface by the light map.
+// The smoke pass: for each pixel, march through the smoke of all media, lit by all lights, up to the first surface.
 //
-// Textures (viewport.py makes them):
-//   surfaces    radiance without smoke, or with OVERLAY the cosine of the sun's angle,
-//               in red where solids leave the sun visible; alpha: distance along the ray
-//   lit_volume  density, column density towards the sun, share of the sun that solids keep back (0 where not stored)
-//   clearance   for each brick of the volume: negative where smoke may be met, else how many cells are empty around it
-//   light_map   layer j holds a_2j, b_2j, a_2j+1, b_2j+1, where b_0 = 0
+// Texture `surfaces` (Frame.surfaces): the radiance of the first surface in the shadow of the smoke, or with OVERLAY the
+// share of its light that shadows take; alpha: distance along the ray. Those of the media are in smoke_textures.glsl.
 //
 // Variants:
-//   COLOURS     1 where all colours have the same extinction, so that one march serves them, else 3
+//   COLOURS     1 where all smoke is grey, so that one march serves all colours, else 3
+//   MEDIA       how many bodies of smoke there are
 //   OVERLAY     the surfaces are Blender's own picture: it is multiplied by `transmittance`, whose alpha tells
 //               surfaces (1) from background (0), and `radiance` is added
 
-vec3 spread(float value[COLOURS])
+struct Crossing {
+  vec3 origin;
+  vec3 direction;
+  Interval inside;
+};
+
+vec3 transform(int medium, vec4 place)
 {
+  return vec3(dot(view.media[6 * medium], place), dot(view.media[6 * medium + 1], place),
+              dot(view.media[6 * medium + 2], place));
+}
+
 #if COLOURS == 1
-  return vec3(value[0]);
+#  define COLOUR float
+#  define OF_COLOURS(v) (v).x
+#  define SHARE_OF(v) (v).y
 #else
-  return vec3(value[0], value[1], value[2]);
+#  define COLOUR vec3
+#  define OF_COLOURS(v) (v).xyz
+#  define SHARE_OF(v) (v).w
 #endif
+
+float largest(vec3 v)
+{
+  return max(max(v.x, v.y), v.z);
 }
 
-vec3 transform(vec4 row_x, vec4 row_y, vec4 row_z, vec4 place)
+// What one step through a medium sends to the eye from all lights. `amount` is density times length.
+vec3 scatter(int medium, float amount, COLOUR tau, COLOUR tau_eye, vec3 cell, vec3 world, vec3 direction)
 {
-  return vec3(dot(row_x, place), dot(row_y, place), dot(row_z, place));
-}
-
-// Column density of smoke between the sun and a point in the space of the light map.
-float column_density(vec3 place)
-{
-  float margin = min(min(place.x, 1.0f - place.x), min(place.y, 1.0f - place.y));
-  if (min(margin, place.z) <= 0.0f) {
-    return 0.0f;
-  }
-  vec4 texel = textureLod(light_map, vec3(place.x, place.y, 0.0f), 0.0f);
-  float a0 = texel.x;
-  // Behind all smoke, where a floor mostly is, the constant term is the whole answer.
-  if (place.z >= 1.0f || a0 <= 0.0f) {
-    return 0.5f * max(a0, 0.0f);
-  }
-  Harmonic first = harmonic(1.0f, place.z);
-  Harmonic h = first;
-  float harmonics = view.screen.z;
-  float column = integral_constant(a0, place.z);
-  for (float k = 1.0f; k <= harmonics; k += 2.0f) {
-    column += integral_harmonic(texel.z, texel.w, h, k);
-    h = next_harmonic(h, first);
-    if (k < harmonics) {
-      texel = textureLod(light_map, vec3(place.x, place.y, 0.5f * (k + 1.0f)), 0.0f);
-      column += integral_harmonic(texel.x, texel.y, h, k + 1.0f);
-      h = next_harmonic(h, first);
+  vec4 cells = view.media[6 * medium + 3];
+  vec4 scattering = view.media[6 * medium + 5];
+  vec3 sum = vec3(0.0f);
+  for (float light = 0.0f; light < view.screen.z; light += 1.0f) {
+    vec4 towards = view.lights[3 * int(light)];
+    vec4 position = view.lights[3 * int(light) + 1];
+    vec4 volume = light_at(medium, cell / cells.xyz, light, view.screen.z, cells.z);
+    vec3 travel = towards.xyz;
+    float incoming = SHARE_OF(volume);
+    if (towards.w == 0.0f) {
+      vec3 from_light = world - position.xyz;
+      float distance2 = dot(from_light, from_light);
+      incoming *= falloff(distance2, position.w);
+      travel = from_light * inversesqrt(max(distance2, 1e-20f));
     }
+    incoming *= henyey_greenstein(-dot(travel, direction), scattering.w);
+    vec3 strength = view.lights[3 * int(light) + 2].xyz * incoming;
+#if COLOURS == 1
+    // Grey smoke may still scatter in colours.
+    sum += strength * scattering.xyz * scattered_by_step(amount, tau, tau_eye, volume.x);
+#else
+    sum.x += strength.x * scattered_by_step(amount * scattering.x, tau.x, tau_eye.x, volume.x);
+    sum.y += strength.y * scattered_by_step(amount * scattering.y, tau.y, tau_eye.y, volume.y);
+    sum.z += strength.z * scattered_by_step(amount * scattering.z, tau.z, tau_eye.z, volume.z);
+#endif
   }
-  return clamp_optical_depth(column, a0);
+  return sum;
 }
 
 void main()
@@ -65,73 +78,80 @@ void main()
   float reach = surface.w;
   bool hit = reach < ray.reach * 0.999999f;
 
-  March march[COLOURS];
-  for (int c = 0; c < COLOURS; ++c) {
-    march[c].optical_depth = 0.0f;
-    march[c].scattered = 0.0f;
-  }
-
-  vec3 origin = transform(view.grid_x, view.grid_y, view.grid_z, vec4(ray.origin, 1.0f));
-  vec3 direction = transform(view.grid_x, view.grid_y, view.grid_z, vec4(ray.direction, 0.0f));
-  Interval interval;
-  interval.near_t = 0.0f;
-  interval.far_t = reach;
-  interval = clip_to_box(interval, origin, direction, view.grid.xyz);
-  float stretch = interval.far_t - interval.near_t;
-  if (stretch > 0.0f) {
-    float steps = march_steps(stretch * length(direction), view.source.w);
-    float dt = stretch / steps;
-    float speed = max(max(abs(direction.x), abs(direction.y)), abs(direction.z)) * dt; // cells a step
-    ivec3 last_brick = textureSize(clearance, 0) - 1;
-    float k = 0.0f;
-    float clearest = 0.0f;
-    while (k < steps && clearest < OPAQUE_DEPTH) {
-      vec3 place = origin + direction * (interval.near_t + (k + 0.5f) * dt);
-      ivec3 brick = clamp(ivec3(place * view.grid.w), ivec3(0), last_brick);
-      float clear = texelFetch(clearance, brick, 0).x;
-      k += 1.0f;
-      if (clear >= 0.0f) {
-        k += floor(clear / speed);
-        continue;
-      }
-      vec4 lit = textureLod(lit_volume, place / view.grid.xyz, 0.0f);
-      clearest = OPAQUE_DEPTH;
-      for (int c = 0; c < COLOURS; ++c) {
-        march[c] = march_step(march[c], view.extinction[c] * lit.x * dt, view.extinction[c] * lit.y, lit.z);
-        clearest = min(clearest, march[c].optical_depth);
-      }
+  Crossing crossings[MEDIA];
+  float near_t = 1e30f;
+  float far_t = 0.0f;
+  float step_length = 1e30f; // metres
+  for (int m = 0; m < MEDIA; ++m) {
+    crossings[m].origin = transform(m, vec4(ray.origin, 1.0f));
+    crossings[m].direction = transform(m, vec4(ray.direction, 0.0f));
+    Interval whole;
+    whole.near_t = 0.0f;
+    whole.far_t = reach;
+    crossings[m].inside =
+        clip_to_box(whole, crossings[m].origin, crossings[m].direction, view.media[6 * m + 3].xyz);
+    if (crossings[m].inside.near_t < crossings[m].inside.far_t) {
+      near_t = min(near_t, crossings[m].inside.near_t);
+      far_t = max(far_t, crossings[m].inside.far_t);
+      step_length = min(step_length, view.media[6 * m + 4].w / length(crossings[m].direction));
     }
   }
 
-  float column = 0.0f;
-#ifdef OVERLAY
-  bool shadowed = surface.x > 0.0f;
+  vec3 smoke = vec3(0.0f);
+  COLOUR depth = COLOUR(0.0f); // optical, towards the eye
+  if (near_t < far_t) {
+    float steps = march_steps(far_t - near_t, step_length);
+    float dt = (far_t - near_t) / steps;
+    float clearest = 0.0f;
+    for (float k = 0.0f; k < steps && clearest < OPAQUE_DEPTH;) {
+      float t = near_t + (k + 0.5f) * dt;
+      float amounts[MEDIA];
+      vec3 cells[MEDIA];
+      COLOUR tau = COLOUR(0.0f);
+      float leap = 1e6f;
+      bool met = false;
+      for (int m = 0; m < MEDIA; ++m) {
+        Interval inside = crossings[m].inside;
+        amounts[m] = 0.0f;
+        if (t < inside.near_t) {
+          leap = min(leap, (inside.near_t - t) / dt - 1.0f);
+        } else if (t <= inside.far_t) {
+          cells[m] = crossings[m].origin + crossings[m].direction * t;
+          float clear = clearance_at(m, ivec3(cells[m] * view.media[6 * m + 3].w));
+          if (clear < 0.0f) {
+            met = true;
+            amounts[m] = density_at(m, cells[m] / view.media[6 * m + 3].xyz) * dt;
+            tau += amounts[m] * OF_COLOURS(view.media[6 * m + 4]);
+          } else {
+            leap = min(leap, clear / (largest(abs(crossings[m].direction)) * dt)); // cells a step
+          }
+        }
+      }
+      k += 1.0f;
+      if (!met) {
+        k += floor(max(leap, 0.0f));
+        continue;
+      }
+      for (int m = 0; m < MEDIA; ++m) {
+        if (amounts[m] > 0.0f) {
+          smoke += scatter(m, amounts[m], tau, depth, cells[m], ray.origin + ray.direction * t, ray.direction);
+        }
+      }
+      depth += tau;
+#if COLOURS == 1
+      clearest = depth;
 #else
-  bool shadowed = hit;
+      clearest = min(min(depth.x, depth.y), depth.z);
 #endif
-  if (shadowed) {
-    vec3 point = ray.origin + ray.direction * reach;
-    column = column_density(transform(view.map_x, view.map_y, view.map_z, vec4(point, 1.0f)));
+    }
   }
 
-  float to_eye[COLOURS];
-  float to_sun[COLOURS];
-  float scattered[COLOURS];
-  for (int c = 0; c < COLOURS; ++c) {
-    to_eye[c] = transmittance_of(march[c].optical_depth);
-    to_sun[c] = transmittance_of(view.extinction[c] * column);
-    scattered[c] = march[c].scattered;
-  }
-  float phase = henyey_greenstein(dot(view.sun.xyz, -ray.direction), view.extinction.w);
-  vec3 smoke = view.source.xyz * phase * spread(scattered);
+  vec3 through = vec3(exp(-depth)); // transmittance_of(), for as many colours as there are
 #ifdef OVERLAY
-  // Light that Blender's picture shows, and light that ought to be there: T_opaque T_map of the sun at its cosine.
-  float shown = pick(view.screen.w > 0.5f, surface.x, surface.y);
-  vec3 missing = shown - surface.x * spread(to_sun);
-  transmittance = vec4(spread(to_eye) * (1.0f - view.sun.w * missing), pick(hit, 1.0f, 0.0f));
+  transmittance = vec4(through * (1.0f - view.screen.w * surface.xyz), hit ? 1.0f : 0.0f);
   radiance = vec4(smoke, 0.0f);
 #else
-  float alpha = 1.0f - dot(spread(to_eye), vec3(1.0f / 3.0f));
-  radiance = vec4(smoke + spread(to_eye) * surface.xyz * spread(to_sun), pick(hit, 1.0f, alpha));
+  float alpha = 1.0f - dot(through, vec3(1.0f / 3.0f));
+  radiance = vec4(smoke + through * surface.xyz, hit ? 1.0f : alpha);
 #endif
 }
