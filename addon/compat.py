@@ -42,6 +42,12 @@ def light_colour(light: Any) -> NDArray[np.float64]:
     return colour
 
 
+def point_light_habits() -> dict[str, bool]:
+    """How Cycles takes the lights of this Blender: before 4.0 a soft point is a disk, and a spot dims by its cosine."""
+    old = bpy.app.version < (4, 0, 0)
+    return {"facing_disk": old, "spot_cosine": old}
+
+
 def uses_nodes(owner: Any) -> bool:
     """Whether a material or world is made of nodes: always so since 5.0."""
     return bpy.app.version >= (5, 0, 0) or bool(owner.use_nodes)

@@ -29,7 +29,8 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
     else:
         cone = {"cone": float(light.spot_size), "blend": float(light.spot_blend)} if light.type == "SPOT" else {}
         # Watts over all directions, though a spot sends them into some.
-        scene.add_point(matrix[:3, 3], colour / (4.0 * math.pi), float(light.shadow_soft_size), forwards, **cone)
+        intensity, habits = colour / (4.0 * math.pi), compat.point_light_habits()
+        scene.add_point(matrix[:3, 3], intensity, float(light.shadow_soft_size), forwards, **cone, **habits)
     return True
 
 

@@ -79,6 +79,8 @@ struct LightView {
     float radius = 0.0F;
     float cone_cosine = -2.0F; // of a spot's edge; -2 for no spot
     float blend = 0.0F;
+    bool spot_cosine = false;
+    float facing2 = 0.0F; // radius^2 where a sphere looks like a disk, else 0
     float spread_cotangent = 0.0F;
     float area = 0.0F;                  // of rectangles and ellipses
     float size2 = 0.0F;                 // of falloff()

@@ -84,6 +84,8 @@ LightView view_of(const Light &light, double cell) {
     case Light::Kind::SPHERE:
         view.radius = light.radius;
         view.blend = light.blend;
+        view.spot_cosine = light.spot_cosine;
+        view.facing2 = light.facing_disk ? light.radius * light.radius : 0.0F;
         view.cone_cosine =
             light.cone < 2.0F * std::numbers::pi_v<float> ? std::cos(0.5F * light.cone) : view.cone_cosine;
         size = double{light.radius};
@@ -176,22 +178,28 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &me
     for (const Light &light : lights) {
         LightView &view = views_.emplace_back(view_of(light, cell));
         samples_.push_back(light_samples(view, media, settings.most_samples));
-        std::vector<LightMap> &maps = maps_.emplace_back(samples_.back().size() * media_);
+        LightMapSettings map = settings.map;
+        if (samples_.back().size() > 1) {
+            // Each map is blurred by its neighbours: what is finer than a cell is lost anyway.
+            map.coefficients = std::min(map.coefficients, 15);
+            map.texels_per_cell = std::min(map.texels_per_cell, 1.0);
+        }
+        maps_.emplace_back(samples_.back().size() * media_);
         std::size_t at = 0;
         for (const glm::vec3 &sample : samples_.back()) {
             const glm::dvec3 point(sample);
             for (const CroppedMedium &medium : media) {
                 if (meets(view, point, ball_of(medium))) {
-                    maps[at] = view.kind == Light::Kind::SUN
-                                   ? build_parallel_map(medium, -point, surfaces, settings.map, with)
-                                   : build_radial_map(medium, point, surfaces, settings.map, with);
+                    maps_.back()[at] = view.kind == Light::Kind::SUN
+                                           ? build_parallel_map(medium, -point, surfaces, map, with)
+                                           : build_radial_map(medium, point, surfaces, map, with);
                 }
                 ++at;
             }
         }
         std::vector<LightMapView> &map_views = map_views_.emplace_back();
-        for (const LightMap &map : maps) {
-            map_views.push_back(map.coefficients.empty() ? LightMapView{} : map.view());
+        for (const LightMap &made : maps_.back()) {
+            map_views.push_back(made.coefficients.empty() ? LightMapView{} : made.view());
         }
     }
     for (std::size_t i = 0; i < views_.size(); ++i) {

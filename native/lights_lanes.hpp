@@ -23,7 +23,8 @@ inline Real spot_share(const LightView &light, const vec3 &from_light) {
         return 1.0F;
     }
     const Real cosine = dot(from_light, broadcast(light.direction)) / sqrt(max(dot(from_light, from_light), 1e-20F));
-    return spot_fade(cosine, light.cone_cosine, light.blend);
+    const Real fade = spot_fade(cosine, light.cone_cosine, light.blend);
+    return light.spot_cosine ? fade * cosine : fade;
 }
 
 // What one of the light's samples brings to a point, as a share of falloff_of().
@@ -86,7 +87,7 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
             return {axis, distance * ALMOST, spot_share(light, -to_middle) / distance2};
         }
         // Uniform in the solid angle of the sphere: 2 pi (1 - cos), of radiance 1 / (pi radius^2).
-        const Real sine2 = min(light.radius * light.radius / distance2, 1.0F);
+        const Real sine2 = min(light.radius * light.radius / (distance2 + light.facing2), 1.0F);
         const Real cap = sine2 / (1.0F + sqrt(1.0F - sine2)); // 1 - cos, without its cancellation
         const Real share = x * x + y * y;
         const Real height = 1.0F - share * cap;

@@ -110,7 +110,7 @@ void add_sun(Scene &scene, const Floats &direction, const Floats &irradiance, fl
 }
 
 void add_point(Scene &scene, const Floats &position, const Floats &intensity, float radius, const Floats &direction,
-               float cone, float blend) {
+               float cone, float blend, bool facing_disk, bool spot_cosine) {
     Light light;
     light.kind = Light::Kind::SPHERE;
     light.position = place_of(position, "position");
@@ -122,6 +122,8 @@ void add_point(Scene &scene, const Floats &position, const Floats &intensity, fl
     light.radius = radius;
     light.cone = cone;
     light.blend = blend;
+    light.facing_disk = facing_disk;
+    light.spot_cosine = spot_cosine;
     scene.lights.push_back(light);
 }
 
@@ -199,10 +201,11 @@ faces it; angle, its angular diameter in radians.
 )")
         .def("add_point", &add_point, py::arg("position"), py::arg("intensity"), py::arg("radius") = 0.0F,
              py::arg("direction") = std::array<float, 3>{0.0F, 0.0F, -1.0F}, py::arg("cone") = 6.2831853F,
-             py::arg("blend") = 0.0F,
+             py::arg("blend") = 0.0F, py::arg("facing_disk") = false, py::arg("spot_cosine") = false,
              R"(Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
 cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in over the share
-blend, in [0, 1], of 1 - cos(cone / 2).
+blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere looks as large as a disk of
+its radius that faces the eye, and with spot_cosine a spot dims by the cosine to its axis, too.
 
 >>> Scene().add_point((0, 0, 3), (10, 10, 10), radius=0.1, cone=0.8, blend=0.15)
 )")

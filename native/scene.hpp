@@ -50,8 +50,12 @@ struct Light {
     glm::vec3 up{0.0F, 0.5F, 0.0F};         // to the direction
     float angle = 0.0F;                     // of a sun: angular diameter, radians
     float radius = 0.0F;                    // of a sphere
-    float cone = 6.2831853F;   // of a sphere: the whole angle of its cone, radians; from 2 pi on it is none
-    float blend = 0.0F;        // of a sphere: the share of the cone's 1 - cos(angle) over which it fades in
+    float cone = 6.2831853F; // of a sphere: the whole angle of its cone, radians; from 2 pi on it is none
+    float blend = 0.0F;      // of a sphere: the share of the cone's 1 - cos(angle) over which it fades in
+    // Two habits of older renderers, so that a preview means what they will show: a sphere looks as large as a disk
+    // that faces the eye, and a spot dims by the cosine to its axis, too.
+    bool facing_disk = false;
+    bool spot_cosine = false;
     float spread = 3.1415927F; // of rectangles and ellipses: the whole angle that they shine into, radians
 };
 
