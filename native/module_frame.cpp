@@ -225,10 +225,19 @@ its number. Solids are left out. Raises ValueError where there is no such light.
                 return out;
             },
             "A list of LitMedium, those that hold any smoke.")
-        .def("light_map", &light_map, py::arg("light") = 0, py::arg("sample") = 0, py::arg("medium") = 0,
-             py::return_value_policy::reference_internal,
-             "The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot "
-             "meet it.\nRaises ValueError where there is no such light, sample or medium.")
+        .def(
+            "light_map", &light_map, py::arg("light") = 0, py::arg("sample") = 0, py::arg("medium") = 0,
+            py::return_value_policy::reference_internal,
+            R"(The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot meet
+it. Raises ValueError where there is no such light, sample or medium.
+
+>>> import numpy as np
+>>> scene = Scene()
+>>> scene.add_medium(np.ones((4, 4, 4)), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
+>>> scene.add_sun((0, 0, -1), (4, 4, 4))
+>>> Frame(scene, coefficients=7).light_map().coefficients.shape
+(8, 8, 7)
+)")
         .def_property_readonly("lights", &lights_of,
                                R"((n, 3, 4) float32: direction and 1 for a sun, else 0; position and
 the square of the light's size, as in falloff() of shaders/light.glsl; strength, and the number of its samples.)")

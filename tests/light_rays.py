@@ -102,7 +102,7 @@ def smoke_frame(case: str, direction: tuple[float, float, float], side: int = 24
     file, extinction = FRAMES[case]
     density, to_object = sfumato.read_volume(str(ROOT / "blend_samples" / file))
     scene = sfumato.Scene()
-    scene.set_medium(density, to_object, scattering=(1, 1, 1), absorption=(0, 0, 0))
+    scene.add_medium(density, to_object, scattering=(1, 1, 1), absorption=(0, 0, 0))
     along = np.array(direction) / np.linalg.norm(direction)
     across = np.cross((0.0, 0.0, 1.0) if abs(along[2]) < 0.9 else (0.0, 1.0, 0.0), along)
     across /= np.linalg.norm(across)

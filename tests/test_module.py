@@ -81,8 +81,8 @@ SUN: dict[str, Any] = {"direction": (0, 0, -1), "irradiance": (4, 3, 2), "angle"
 def scene_of(**medium: Any) -> Scene:
     scene = Scene()
     scene.add_mesh(**TRIANGLE)
-    scene.set_medium(**{**MEDIUM, **medium})
-    scene.set_sun(**SUN)
+    scene.add_medium(**{**MEDIUM, **medium})
+    scene.add_sun(**SUN)
     scene.set_background((0.1, 0.2, 0.3))
     return scene
 
@@ -127,7 +127,7 @@ def test_scenes_take_any_layout(convert: Callable[[Array], Any]) -> None:
 def test_a_mesh_takes_any_layout() -> None:
     def with_mesh(**changed: Any) -> Array:
         scene = Scene()
-        scene.set_sun(**SUN)
+        scene.add_sun(**SUN)
         scene.add_mesh(**{**TRIANGLE, **changed})
         return picture(scene)
 
@@ -157,7 +157,7 @@ def test_meshes_may_be_empty() -> None:
 
 def test_pictures_start_at_the_lower_left() -> None:
     scene = Scene()
-    scene.set_sun(**SUN)
+    scene.add_sun(**SUN)
     corner = {**TRIANGLE, "vertices": [[-2.0, -2.0, 0.0], [-1.4, -2.0, 0.0], [-2.0, -1.4, 0.0]]}
     scene.add_mesh(**corner)
     image = picture(scene, edge_samples=1)
@@ -168,21 +168,21 @@ def test_pictures_start_at_the_lower_left() -> None:
 def test_parts_of_a_frame() -> None:
     grid_to_world = np.array([[0.2, 0, 0, 1], [0, 0.25, 0, 2], [0, 0, 0.3, 3], [0, 0, 0, 1]])
     frame = Frame(scene_of(grid_to_world=grid_to_world), coefficients=7, texels_per_cell=2.0, steps_per_cell=2.0)
-    medium, light_map = frame.medium, frame.light_map
-    assert medium.lit_volume.shape == (5, 6, 7, 2) and medium.lit_volume.dtype == np.float32
+    (medium,), light_map = frame.media, frame.light_map()
+    assert medium.density.shape == (5, 6, 7) and medium.density.dtype == np.float32
+    assert medium.light.shape == (1, 5, 6, 7, 2) and medium.light.dtype == np.float32
     assert medium.clearance.shape == (2, 2, 2)
     first = grid_to_world @ (-1, -1, -1, 1)  # there is one empty cell more
     np.testing.assert_allclose(medium.grid_to_world, np.c_[grid_to_world[:, :3], first], atol=1e-6)
     np.testing.assert_allclose(medium.extinction, 1.5)
-    np.testing.assert_allclose(medium.albedo, 2 / 3)
+    np.testing.assert_allclose(medium.scattering, 1.0)
     assert medium.anisotropy == 0.25
     assert light_map.coefficients.shape[2] == 7
-    assert light_map.world_to_map.shape == (4, 4)
+    assert light_map.world_to_light.shape == (4, 4)
     assert frame.step_length == pytest.approx(0.5)
-    direction, irradiance, angle = frame.sun
-    np.testing.assert_array_equal(direction, SUN["direction"])
-    np.testing.assert_array_equal(irradiance, SUN["irradiance"])
-    assert angle == pytest.approx(SUN["angle"])
+    (sun,) = frame.lights
+    np.testing.assert_array_equal(sun[0], (*SUN["direction"], 1))
+    np.testing.assert_array_equal(sun[2], (*SUN["irradiance"], 1))
     surfaces = frame.surfaces(camera_from_above(), 6, 4)
     assert surfaces.shape == (4, 6, 4) and surfaces.dtype == np.float32
     np.testing.assert_allclose(surfaces[..., 3].min(), 5.0, rtol=1e-5)
@@ -190,18 +190,39 @@ def test_parts_of_a_frame() -> None:
 
 def test_parts_are_copies_that_outlive_the_frame() -> None:
     frame = Frame(scene_of())
-    medium = frame.medium
-    volume = medium.lit_volume
+    (medium,) = frame.media
+    volume = medium.light
     volume[:] = 0.0
-    assert medium.lit_volume.max() > 0.0
+    assert medium.light.max() > 0.0
     del frame
-    assert medium.lit_volume.max() > 0.0
+    assert medium.light.max() > 0.0
 
 
-def test_parts_that_a_scene_lacks_are_none() -> None:
+def test_a_scene_may_lack_everything() -> None:
     frame = Frame(Scene())
-    assert frame.medium is None and frame.light_map is None and frame.sun is None
-    np.testing.assert_array_equal(frame.transmittance(np.zeros((2, 3))), np.ones((2, 3)))
+    assert frame.media == [] and frame.lights.shape == (0, 3, 4)
+    scene = Scene()
+    scene.add_sun(**SUN)
+    np.testing.assert_array_equal(Frame(scene).transmittance(np.zeros((2, 3))), np.ones((2, 3)))
+
+
+def test_coloured_smoke_has_three_depths_towards_each_light() -> None:
+    scene = scene_of(absorption=(0, 1, 2))
+    scene.add_point((0, 0, 3), (5, 5, 5))
+    (medium,) = Frame(scene).media
+    assert medium.light.shape == (2, 5, 6, 7, 4)
+    depth = medium.light[..., :3]
+    assert (depth[..., 1] >= depth[..., 0]).all() and depth[..., 2].max() > 2.0 * depth[..., 0].max()
+
+
+def test_a_large_light_is_sampled_often_and_a_small_one_once() -> None:
+    scene = scene_of()
+    scene.add_sun((0, 0, -1), (1, 1, 1), angle=1.0)
+    scene.add_area((0, 0, 2), (1, 0, 0), (0, 1, 0), (1, 1, 1))
+    frame = Frame(scene, light_samples=8)
+    assert frame.lights[:, 2, 3].tolist() == [1.0, 8.0, 8.0]
+    assert frame.light_map(light=1, sample=7) is not None
+    assert frame.light_map(light=2, sample=7).coefficients.shape[2] <= 15
 
 
 @pytest.mark.parametrize("shape", [(), (5,), (2, 3), (0,), (2, 0, 3)])
@@ -273,11 +294,20 @@ def wrong_mesh(**changed: Any) -> Callable[[], Any]:
 
 
 def wrong_medium(**changed: Any) -> Callable[[], Any]:
-    return lambda: Scene().set_medium(**{**MEDIUM, **changed})
+    return lambda: Scene().add_medium(**{**MEDIUM, **changed})
 
 
 def wrong_sun(**changed: Any) -> Callable[[], Any]:
-    return lambda: Scene().set_sun(**{**SUN, **changed})
+    return lambda: Scene().add_sun(**{**SUN, **changed})
+
+
+def wrong_point(**changed: Any) -> Callable[[], Any]:
+    return lambda: Scene().add_point(**{"position": (0, 0, 3), "intensity": (1, 1, 1), **changed})
+
+
+def wrong_area(**changed: Any) -> Callable[[], Any]:
+    area = {"position": (0, 0, 3), "across": (1, 0, 0), "up": (0, 1, 0), "radiance": (1, 1, 1), **changed}
+    return lambda: Scene().add_area(**area)
 
 
 def wrong_frame(**changed: Any) -> Callable[[], Any]:
@@ -342,6 +372,29 @@ REFUSALS: list[tuple[Callable[[], Any], str, str]] = [
     (wrong_medium(anisotropy=1.0), "anisotropy", "1"),
     (wrong_medium(anisotropy=NAN), "anisotropy", "nan"),
     (wrong_sun(direction=(0, 0, 0)), "direction", "(0, 0, 0)"),
+    (wrong_point(position=(0, NAN, 0)), "position", "nan"),
+    (wrong_point(position=(0, 1e20, 0)), "position", "1e+20"),
+    (wrong_point(intensity=(1, -1, 1)), "intensity", "-1"),
+    (wrong_point(radius=-0.5), "radius", "-0.5"),
+    (wrong_point(direction=(0, 0, 0)), "direction", "(0, 0, 0)"),
+    (wrong_point(cone=0.0), "cone", "0"),
+    (wrong_point(cone=7.0), "cone", "7"),
+    (wrong_point(blend=1.5), "blend", "1.5"),
+    (wrong_area(across=(0, 0, 0)), "across", "0"),
+    (wrong_area(up=(1, 0, 0)), "across and up", "1"),
+    (wrong_area(up=(INF, 0, 0)), "up", "inf"),
+    (wrong_area(radiance=(1, NAN, 1)), "radiance", "nan"),
+    (wrong_area(spread=0.0), "spread", "0"),
+    (wrong_area(spread=4.0), "spread", "4"),
+    (lambda: Frame(scene_of()).light_map(light=1), "light", "1"),
+    (lambda: Frame(scene_of()).light_map(light=-1), "light", "-1"),
+    (lambda: Frame(scene_of()).light_map(sample=1), "sample", "1"),
+    (lambda: Frame(scene_of()).light_map(medium=1), "medium", "1"),
+    (lambda: Frame(scene_of()).transmittance((0, 0, 0), light=2), "light", "2"),
+    (lambda: Frame(Scene()).transmittance((0, 0, 0)), "light", "0"),
+    (wrong_frame(light_samples=0), "light_samples", "0"),
+    (wrong_surfaces(output="albedo"), "output", "albedo"),
+    (lambda: [scene_of() for scene in [scene_of()] for _ in range(5) if scene.add_medium(**MEDIUM)], "scene", "5"),
     (wrong_sun(direction=(0, INF, 0)), "direction", "inf"),
     (wrong_sun(direction=(0, 1)), "direction", "(2)"),
     (wrong_sun(irradiance=(-1, 1, 1)), "irradiance", "-1"),
@@ -423,8 +476,8 @@ def test_a_refusal_changes_nothing() -> None:
     before = picture(scene)
     refusals: list[Callable[[], Any]] = [
         lambda: scene.add_mesh(**{**TRIANGLE, "material": [7]}),
-        lambda: scene.set_medium(**{**MEDIUM, "anisotropy": 2.0}),
-        lambda: scene.set_sun(**{**SUN, "angle": -1.0}),
+        lambda: scene.add_medium(**{**MEDIUM, "anisotropy": 2.0}),
+        lambda: scene.add_sun(**{**SUN, "angle": -1.0}),
         lambda: scene.set_background((NAN, 0, 0)),
     ]
     for refused in refusals:
@@ -438,14 +491,14 @@ def test_a_suns_direction_may_have_any_length(length: float) -> None:
     frames = []
     for scale in (1.0, length):
         scene = Scene()
-        scene.set_sun((0.3 * scale, 0.1 * scale, -scale), (1, 1, 1))
-        frames.append(Frame(scene).sun[0])
+        scene.add_sun((0.3 * scale, 0.1 * scale, -scale), (1, 1, 1))
+        frames.append(Frame(scene).lights[0, 0])
     np.testing.assert_allclose(frames[0], frames[1], rtol=1e-6)
 
 
 def test_smoke_may_be_very_small() -> None:
     small = scene_of(grid_to_world=np.diag([1e-16, 1e-16, 1e-16, 1.0]), scattering=(1e16, 1e16, 1e16))
-    assert Frame(small).medium.lit_volume.max() > 0.0
+    assert Frame(small).media[0].light.max() > 0.0
 
 
 # ---- The interpreter's lock and progress ----

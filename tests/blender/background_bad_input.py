@@ -84,25 +84,64 @@ def test_no_light() -> None:
         if thing.type == "LIGHT":
             bpy.data.objects.remove(thing)
     assert pictures.render(TINY)[..., :3].max() == 0.0
-    assert said("No sun"), log.notices()
+    assert said("No light"), log.notices()
 
 
-def test_a_wide_sun() -> None:
+def lamp(name: str, kind: str, **settings: object) -> bpy.types.Object:
     harness.open_plume()
-    sun = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")
-    pictures.render(TINY)
-    assert not said("angle"), log.notices()
-    sun.data.angle = 0.2
-    pictures.render(TINY)
-    assert said(sun.name, "11.5"), log.notices()
+    for thing in list(bpy.context.scene.objects):
+        if thing.type == "LIGHT":
+            bpy.data.objects.remove(thing)
+    data = bpy.data.lights.new(name, kind)
+    for key, value in {"energy": 500.0, **settings}.items():
+        setattr(data, key, value)
+    thing = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(thing)
+    thing.location = (-2.0, -1.0, 3.0)
+    return thing
 
 
-def test_lamps_that_are_not_shown() -> None:
-    harness.open_plume()
-    lamp = bpy.data.objects.new("Desk", bpy.data.lights.new("Desk", "POINT"))
-    bpy.context.scene.collection.objects.link(lamp)
-    pictures.render(TINY)
-    assert said("Desk", "point"), log.notices()
+def test_an_area_light_without_area() -> None:
+    thing = lamp("Panel", "AREA", shape="RECTANGLE", size_y=0.0)
+    assert np.isfinite(pictures.render(TINY)).all()
+    assert said("Panel", "area"), log.notices()
+    thing.data.size_y = 1.0
+    thing.scale.x = 0.0
+    assert np.isfinite(pictures.render(TINY)).all()
+    assert said("Panel", "area"), log.notices()
+
+
+def test_lights_inside_the_smoke() -> None:
+    for kind, settings in (("POINT", {"shadow_soft_size": 0.0}), ("POINT", {"shadow_soft_size": 2.0}), ("AREA", {})):
+        thing = lamp("Ember", kind, **settings)
+        thing.location = harness.middle_of(bpy.context.scene.objects["Smoke Domain"])
+        image = pictures.render(TINY)
+        assert np.isfinite(image).all() and image[..., :3].max() > 0.0
+        assert not log.notices(), log.notices()
+
+
+def test_lights_far_away_and_on_the_floor() -> None:
+    for location in ((0.0, 0.0, 1e7), (0.0, 0.0, 0.0)):
+        thing = lamp("Beacon", "SPOT", energy=1e9, spot_size=0.02)
+        thing.location = location
+        assert np.isfinite(pictures.render(TINY)).all()
+
+
+def test_a_lamp_of_minus_one_watt() -> None:
+    lamp("Void", "POINT", energy=-1.0)
+    assert pictures.render(TINY)[..., :3].max() == 0.0
+    assert said("No light"), log.notices()
+
+
+def test_more_smoke_than_there_is_room_for() -> None:
+    smoke = harness.open_plume()
+    for number in range(7):
+        copy = smoke.copy()
+        copy.name = f"Smoke {number}"
+        copy.location.x += number
+        bpy.context.scene.collection.objects.link(copy)
+    assert np.isfinite(pictures.render(TINY)).all()
+    assert said("only 5 bodies"), log.notices()
 
 
 def test_materials_that_are_not_diffuse() -> None:

@@ -21,8 +21,9 @@ SIZE = (320, 180)
 TOLERANCE, LARGEST = 1e-3, 1e-2
 
 
-def synthetic_frame(coloured: bool) -> Any:
-    """Two puffs of noise, with clear air between, in front of the sky and over a floor; a table stands in the upper."""
+def synthetic_frame(coloured: bool, lamps: bool = False) -> Any:
+    """Two puffs of noise, with clear air between, in front of the sky and over a floor; a table stands in the upper.
+    With lamps, a wide sun, a spot and an area light too, and a second body of smoke that overlaps the first."""
     noise = np.random.default_rng(7).random((20, 24, 28), dtype=np.float32)
     z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in noise.shape), indexing="ij")
     puffs = [np.sqrt((x - s * 0.6) ** 2 + (y - s * 0.6) ** 2 + (z - s * 0.5) ** 2) for s in (-1.0, 1.0)]
@@ -31,15 +32,21 @@ def synthetic_frame(coloured: bool) -> Any:
     grid_to_world[:3, 3] = -1.4, -1.2, 0.2
     made = sfumato.Scene()
     scattering = (8.0, 12.0, 18.0) if coloured else (12.0, 12.0, 12.0)
-    made.set_medium(density, grid_to_world, scattering, absorption=(1.0, 1.0, 1.0), anisotropy=0.4)
-    made.set_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
+    made.add_medium(density, grid_to_world, scattering, absorption=(1.0, 1.0, 1.0), anisotropy=0.4)
+    made.add_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
     made.set_background((0.3, 0.4, 0.6))
     for corners, normal in (
         ([(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)], (0, 0, 1)),
         ([(0, 0, 1.9), (1.4, 0, 1.9), (1.4, 1.2, 1.9), (0, 1.2, 1.9)], (0, 0, 1)),
     ):
         made.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], [[normal] * 3] * 2, [0, 0], [(0.7, 0.6, 0.5)])
-    return sfumato.Frame(made, coefficients=15)
+    if lamps:
+        made.add_sun((-0.2, 0.6, -1.0), (2.0, 2.0, 3.0), angle=0.3)
+        made.add_point((1.5, -1.0, 3.0), (9.0, 5.0, 3.0), direction=(-0.4, 0.4, -1.0), cone=1.0, blend=0.4)
+        made.add_area((-2.0, 0.5, 2.5), (0.4, 0.0, 0.4), (0.0, 0.5, 0.0), (6.0, 8.0, 9.0), spread=2.5)
+        grid_to_world[:3, 3] = 0.2, -0.2, 1.4
+        made.add_medium(density[::2, ::-1], grid_to_world, scattering, absorption=(1.0, 1.0, 1.0))
+    return sfumato.Frame(made, coefficients=15, light_samples=4)
 
 
 def look(perspective: bool, **kind: bool) -> viewport.Look:
@@ -64,15 +71,16 @@ def assert_same(name: str, gpu: Any, cpu: Any) -> None:
 
 
 def test_gpu_and_cpu_make_the_same_picture() -> None:
-    for coloured in (False, True):
-        frame = synthetic_frame(coloured)
+    for coloured, lamps in ((False, False), (True, False), (False, True), (True, True)):
+        frame = synthetic_frame(coloured, lamps)
         for perspective in (True, False):
             seen = look(perspective)
             cpu = frame.render(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, edge_samples=1)
             picture = viewport.Painter().picture("test", frame, seen)
             gpu = screen.read(picture.buffer, 0, SIZE)
             assert (cpu[..., 3] < 1.0).any() and (cpu[..., 3] == 1.0).any(), "the picture lacks sky or floor"
-            name = f"{'coloured' if coloured else 'grey'}, {'perspective' if perspective else 'orthographic'}"
+            name = f"{'coloured' if coloured else 'grey'}{', lamps' if lamps else ''}, "
+            name += "perspective" if perspective else "orthographic"
             assert_same(name, gpu, cpu)
 
 
@@ -85,7 +93,7 @@ def test_overlay_is_the_picture_taken_apart() -> None:
         camera = sfumato.Camera(np.reshape(seen.matrix, (4, 4)))
         picture = viewport.Painter().picture("test", frame, seen)
         radiance, transmittance = (screen.read(picture.buffer, slot, SIZE) for slot in (0, 1))
-        surfaces = frame.surfaces(camera, *SIZE, lit=True)
+        surfaces = frame.surfaces(camera, *SIZE)
         cpu = frame.render(camera, *SIZE, edge_samples=1)
         sky = transmittance[..., 3] == 0.0
         rebuilt = radiance[..., :3] + transmittance[..., :3] * surfaces[..., :3]
@@ -137,7 +145,10 @@ def shaded_and_sunny(smoke: bpy.types.Object) -> tuple[tuple[int, int], tuple[in
     size = region.width, region.height
     matrix = screen.view_matrix()
     frame = sfumato.Frame(scene.export(bpy.context.evaluated_depsgraph_get()).scene)
-    surfaces = frame.surfaces(sfumato.Camera(matrix), *size, lit=False)
+    camera = sfumato.Camera(matrix)
+    surfaces = frame.surfaces(camera, *size, output="all_shadows")
+    sunny = frame.surfaces(camera, *size, output="smoke_shadow")
+    lit = frame.surfaces(camera, *size)[..., :3].max(-1) > 0.01
     corners = matrix @ np.array(smoke.matrix_world) @ np.array([(*corner, 1.0) for corner in smoke.bound_box]).T
     columns, rows = ((corners[axis] / corners[3] * 0.5 + 0.5) * size[axis] for axis in (0, 1))
 
@@ -146,7 +157,8 @@ def shaded_and_sunny(smoke: bpy.types.Object) -> tuple[tuple[int, int], tuple[in
     for row in range(2, size[1], 4):
         for column in range(2, size[0], 4):
             beside = not (rows.min() < row < rows.max() and columns.min() < column < columns.max())
-            if not beside or surfaces[row, column, 0] < 0.3:
+            # In the sun but for the smoke: what all shadows take is what the smoke takes.
+            if not beside or not lit[row, column] or (surfaces[row, column] != sunny[row, column]).any():
                 continue
             ndc = 2.0 * (column + 0.5) / size[0] - 1.0, 2.0 * (row + 0.5) / size[1] - 1.0
             near, far = (inverse @ (*ndc, depth, 1.0) for depth in (-1.0, 1.0))
