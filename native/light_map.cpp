@@ -128,6 +128,16 @@ void project(LightMap &map, const CroppedMedium &medium, double length, double c
     });
 }
 
+// The edge of a texel in metres: the shortest edge of a cell; but where cells are thin and seen from their flat side,
+// no less than a quarter of the width that they show to the light.
+double texel_edge(const CroppedMedium &medium, const glm::dvec3 &towards) {
+    const glm::dmat3 m(medium.grid_to_world);
+    const double shown = std::abs(glm::dot(glm::cross(m[0], m[1]), towards)) +
+                         std::abs(glm::dot(glm::cross(m[1], m[2]), towards)) +
+                         std::abs(glm::dot(glm::cross(m[2], m[0]), towards));
+    return std::max(medium.cell_size, 0.25 * std::sqrt(shown));
+}
+
 // Texels of at least the asked-for size, so many that they fill an extent within memory; the rim around them stays
 // empty.
 glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int count) {
@@ -183,7 +193,7 @@ LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direc
     }
     LightMap map;
     map.count = settings.coefficients;
-    const double texel = medium.cell_size / settings.texels_per_cell;
+    const double texel = texel_edge(medium, glm::normalize(direction)) / settings.texels_per_cell;
     map.size = texels_for(glm::dvec2(high - low), texel, map.count);
     const double fitted = std::max({texel, (high.x - low.x) / (map.size.x - 2), (high.y - low.y) / (map.size.y - 2)});
     const glm::dvec3 extent(glm::dvec2(map.size) * fitted, high.z - low.z);
@@ -249,7 +259,8 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
     }
     // A texel spans a cell, or the share asked for, at the middle of the smoke; near the light it spans less.
     const double reach = std::max(distance, 0.25 * map.high.z);
-    const double texel = medium.cell_size / (settings.texels_per_cell * reach);
+    const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
+    const double texel = texel_edge(medium, look) / (settings.texels_per_cell * reach);
     const glm::dvec2 extent(map.high - map.low);
     map.size = texels_for(extent, texel, map.count);
     // The rim of two texels must lie outside the smoke, unless the map is all that there is.
