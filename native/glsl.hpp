@@ -11,6 +11,7 @@
 namespace sfumato::glsl {
 namespace {
 
+using glm::cross;
 using glm::dot;
 using glm::vec3;
 using std::abs;
