@@ -16,6 +16,9 @@ namespace sfumato {
 
 constexpr int MAX_LANES = 16;
 
+template <typename Number>
+struct LightBatch; // area_light.hpp
+
 // An affine map by its rows, (x, y, z, translation).
 struct Affine {
     float rows[3][4];
@@ -131,6 +134,7 @@ struct Kernels {
     void (*light_slice)(const LightSlice &);
     void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
     void (*trace)(const FrameView &, const Packet &, Light &);
+    void (*integrate_lights)(const LightBatch<float> &);
 };
 
 // Every set of kernels that this processor runs, the widest last.

@@ -22,13 +22,6 @@ vec3 unit(vec3 v)
   return v * k;
 }
 
-// a where which is 1, b where it is 0.
-vec3 either(float which, vec3 a, vec3 b)
-{
-  float other = 1.0f - which;
-  return a * which + b * other;
-}
-
 vec3 times(vec3 a, vec3 b)
 {
   return vec3(a.x * b.x, a.y * b.y, a.z * b.z);
@@ -99,9 +92,9 @@ HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
   vec3 side = unit(chord - a * back);
   vec3 mirror = mirrored(view);
   float x = dot(mirror, a), y = dot(mirror, side), to_b = dot(mirror, b);
-  float inside = pick(y < 0.0f, 0.0f, pick(x * dot(b, side) < y * dot(b, a), 0.0f, 1.0f));
-  vec3 end = either(pick(x > to_b, 1.0f, 0.0f), a, b);
-  vec3 axis = either(inside, unit(a * x + side * y), end);
+  vec3 end = pick(x > to_b, a, b);
+  vec3 nearest = pick(x * dot(b, side) < y * dot(b, a), end, unit(a * x + side * y));
+  vec3 axis = pick(y < 0.0f, end, nearest);
   float along = dot(chord, axis);
   side = unit(chord - axis * along);
   // At grazing angles and on brushed metal the lobe is long and lies askew: one step of Newton's towards its axis.

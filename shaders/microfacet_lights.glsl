@@ -14,17 +14,15 @@ struct LitEdge {
 
 LitEdge lit_edge(vec3 a, vec3 b)
 {
-  float a_up = pick(a.z < 0.0f, 0.0f, 1.0f), b_up = pick(b.z < 0.0f, 0.0f, 1.0f);
-  float rise = b.z - a.z;
-  float t = clamp(-a.z / pick(abs(rise) > TINY, rise, TINY), 0.0f, 1.0f), zero = 0.0f;
-  float down = a_up * (1.0f - b_up), up = b_up * (1.0f - a_up), none = (1.0f - a_up) * (1.0f - b_up);
+  float rise = b.z - a.z, zero = 0.0f;
+  float t = clamp(-a.z / pick(abs(rise) > TINY, rise, TINY), 0.0f, 1.0f);
   vec3 crossing = unit(vec3(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), zero));
-  vec3 zenith = vec3(zero, zero, 1.0f);
+  vec3 none = vec3(zero, zero, zero), zenith = vec3(zero, zero, 1.0f);
   LitEdge edge;
-  edge.a = either(none, zenith, either(a_up, unit(a), crossing));
-  edge.b = either(none, zenith, either(b_up, unit(b), crossing));
-  edge.leave = crossing * down;
-  edge.enter = crossing * up;
+  edge.a = pick(a.z < 0.0f, pick(b.z < 0.0f, zenith, crossing), unit(a));
+  edge.b = pick(b.z < 0.0f, pick(a.z < 0.0f, zenith, crossing), unit(b));
+  edge.leave = pick(a.z < 0.0f, none, pick(b.z < 0.0f, crossing, none));
+  edge.enter = pick(a.z < 0.0f, pick(b.z < 0.0f, none, crossing), none);
   return edge;
 }
 
@@ -36,16 +34,15 @@ RimArc lit_arc(Microfacets m, LitEdge edge)
 // The arc along the horizon that closes a clipped outline; no length where nothing was clipped.
 RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
 {
-  float none = pick(dot(leave, leave) * dot(enter, enter) > 0.25f, 0.0f, 1.0f), zero = 0.0f;
+  float both = dot(leave, leave) * dot(enter, enter), zero = 0.0f;
   vec3 zenith = vec3(zero, zero, 1.0f);
-  return great_circle_arc(m, either(none, zenith, leave), either(none, zenith, enter));
+  return great_circle_arc(m, pick(both > 0.25f, leave, zenith), pick(both > 0.25f, enter, zenith));
 }
 
 // ---- Lights ----
 
-Reflection ggx_quad(vec3 view, float alpha_x, float alpha_y, vec3 a, vec3 b, vec3 c, vec3 d)
+Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
 {
-  Microfacets m = microfacets(view, alpha_x, alpha_y);
   LitEdge ab = lit_edge(a, b), bc = lit_edge(b, c), cd = lit_edge(c, d), da = lit_edge(d, a);
   RimArc arcs[5];
   arcs[0] = lit_arc(m, ab);
@@ -68,17 +65,15 @@ Reflection ggx_quad(vec3 view, float alpha_x, float alpha_y, vec3 a, vec3 b, vec
 
 // The rim of a sphere is a small circle of directions. Its top divides what is above the horizon into two arcs alike.
 // The point must be outside the sphere.
-Reflection ggx_sphere(vec3 view, float alpha_x, float alpha_y, vec3 centre, float radius)
+Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
 {
-  Microfacets m = microfacets(view, alpha_x, alpha_y);
   float zero = 0.0f, one = 1.0f;
   float sine = clamp(radius / sqrt(max(dot(centre, centre), TINY)), 1e-6f, 0.99999f);
   float cosine = sqrt(1.0f - sine * sine);
   vec3 axis = unit(centre);
   float level = sqrt(max(1.0f - axis.z * axis.z, 0.0f));
-  float overhead = pick(level < 1e-4f, 1.0f, 0.0f);
-  float tilt = -axis.z;
-  vec3 x = either(overhead, vec3(one, zero, zero), unit(vec3(axis.x * tilt, axis.y * tilt, level * level)));
+  vec3 uphill = unit(vec3(-axis.x * axis.z, -axis.y * axis.z, level * level));
+  vec3 x = pick(level < 1e-4f, vec3(one, zero, zero), uphill);
   vec3 y = cross(axis, x);
   x = x * sine;
   y = y * sine;
@@ -106,7 +101,7 @@ RimArc arc_through(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out)
   float half_inverse = 0.5f / max(dot(axis, axis), TINY);
   // From the circle's centre to the middle: the circumcentre of a triangle.
   vec3 x = cross(chord_out * in2 + chord_in * out2, axis) * half_inverse;
-  float longest = sqrt(dot(x, x)), k = min(1.0f, 1.0f / max(longest, TINY));
+  float longest = sqrt(dot(x, x)), k = min(1.0f / max(longest, TINY), 1.0f);
   x = x * k; // no circle of directions is larger
   vec3 y = cross(unit(axis), x), to_a = x - chord_in, to_b = x + chord_out;
   k = 1.0f / max(dot(x, x), TINY);
@@ -135,13 +130,11 @@ RimStep rim_step(vec3 from, vec3 along)
 // The rim of an ellipse (disk) with half axes u and v, as ELLIPSE_ARCS small circles through three of its points each.
 #define ELLIPSE_ARCS 8
 
-Reflection ggx_ellipse(vec3 view, float alpha_x, float alpha_y, vec3 centre, vec3 u, vec3 v)
+Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
 {
-  Microfacets m = microfacets(view, alpha_x, alpha_y);
   // Conjugate half axes, the first to the highest point: z is centre.z + rise cos t.
   float rise = sqrt(max(u.z * u.z + v.z * v.z, TINY)), k = 1.0f / rise;
-  float level = pick(rise < 1e-12f, 1.0f, 0.0f);
-  float cu = u.z * k * (1.0f - level) + level, su = v.z * k * (1.0f - level);
+  float cu = pick(rise < 1e-12f, 1.0f, u.z * k), su = pick(rise < 1e-12f, 0.0f, v.z * k);
   vec3 x = u * cu + v * su, y = v * cu - u * su;
   float cos_end = clamp(-centre.z / max(rise, 1e-12f), -1.0f, 1.0f);
   float sin_end = sqrt(max(1.0f - cos_end * cos_end, 0.0f));
@@ -182,4 +175,21 @@ Reflection ggx_ellipse(vec3 view, float alpha_x, float alpha_y, vec3 centre, vec
     mean = with_arc(mean, m, arcs[n]);
   }
   return reflected(mean, flux);
+}
+
+// ---- GGX by its parameters ----
+
+Reflection ggx_quad(vec3 view, float alpha_x, float alpha_y, vec3 a, vec3 b, vec3 c, vec3 d)
+{
+  return microfacet_quad(microfacets(BRDF_GGX, view, alpha_x, alpha_y), a, b, c, d);
+}
+
+Reflection ggx_sphere(vec3 view, float alpha_x, float alpha_y, vec3 centre, float radius)
+{
+  return microfacet_sphere(microfacets(BRDF_GGX, view, alpha_x, alpha_y), centre, radius);
+}
+
+Reflection ggx_ellipse(vec3 view, float alpha_x, float alpha_y, vec3 centre, vec3 u, vec3 v)
+{
+  return microfacet_ellipse(microfacets(BRDF_GGX, view, alpha_x, alpha_y), centre, u, v);
 }
