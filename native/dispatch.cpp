@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Chooses the kernels of this processor. CMake names the instruction sets that it compiled.
+#include "area_light.hpp"
 #include "kernels.hpp"
 
 #include <vector>
@@ -10,6 +11,7 @@
     void light_slice(const LightSlice &);                                                                              \
     void look_up(const LightMapView &, const float *, float *, int);                                                   \
     void trace(const FrameView &, Output, const Packet &, Traced &);                                                   \
+    void integrate_lights(const LightBatch<float> &);                                                                  \
     }
 
 SFUMATO_DECLARE(baseline)
@@ -23,7 +25,7 @@ namespace {
 
 #define SFUMATO_TABLE(ISA, LANES)                                                                                      \
     Kernels {                                                                                                          \
-#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace                                      \
+#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::integrate_lights               \
     }
 
 std::vector<Kernels> runnable() {

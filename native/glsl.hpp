@@ -11,9 +11,11 @@
 namespace sfumato::glsl {
 namespace {
 
+using glm::cross;
 using glm::dot;
 using glm::vec3;
 using std::abs;
+using std::atanh;
 using std::ceil;
 using std::clamp;
 using std::cos;
@@ -22,11 +24,18 @@ using std::floor;
 using std::log;
 using std::max;
 using std::min;
+using std::pow;
 using std::sin;
 using std::sqrt;
 
 inline float pick(bool condition, float a, float b) {
     return condition ? a : b;
+}
+inline vec3 pick(bool condition, const vec3 &a, const vec3 &b) {
+    return condition ? a : b;
+}
+inline float atan(float y, float x) {
+    return std::atan2(y, x);
 }
 
 // The text is one vocabulary for many users: no file uses all of it.

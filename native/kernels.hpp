@@ -20,6 +20,9 @@ namespace sfumato {
 constexpr int MAX_LANES = 16;
 constexpr std::size_t MAX_MEDIA = 5; // in one frame: what the viewport has textures for
 
+template <typename Number>
+struct LightBatch; // area_light.hpp
+
 // An affine map by its rows, (x, y, z, translation).
 struct Affine {
     float rows[3][4];
@@ -161,6 +164,7 @@ struct Kernels {
     void (*light_slice)(const LightSlice &);
     void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
     void (*trace)(const FrameView &, Output, const Packet &, Traced &);
+    void (*integrate_lights)(const LightBatch<float> &);
 };
 
 // Every set of kernels that this processor runs, the widest last.

@@ -60,8 +60,42 @@ inline Real pick(Mask condition, Real a, Real b) {
 inline Real exp(Real x) {
     return xsimd::exp(x);
 }
+inline Real pow(Real x, Real y) {
+    return xsimd::pow(x, y);
+}
 inline Real dot(vec3 a, vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline vec3 cross(vec3 a, vec3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline vec3 pick(Mask condition, const vec3 &a, const vec3 &b) {
+    return {pick(condition, a.x, b.x), pick(condition, a.y, b.y), pick(condition, a.z, b.z)};
+}
+
+// xsimd's own takes several branches and computes them all. Of the smaller over the larger, a polynomial t P(t^2): our
+// fit by least squares with Lawson's weights, 1e-9 before rounding. (0, 0) gives 0.
+inline Real atan(Real y, Real x) {
+    constexpr float P[] = {0.999999981F,  -0.333331802F,  0.199964341F,   -0.142472045F,  0.108779404F,
+                           -0.0821360064F, 0.0550257995F, -0.0284887934F, 0.00956639632F, -0.00150911243F};
+    const Real ax = abs(x), ay = abs(y);
+    const Real t = min(ax, ay) / max(max(ax, ay), 1e-37F), t2 = t * t;
+    Real sum = P[9];
+    for (int k = 8; k >= 0; --k) {
+        sum = xsimd::fma(sum, t2, Real(P[k]));
+    }
+    const Real steep = pick(ay > ax, 1.57079632679489662F - t * sum, t * sum);
+    const Real turned = pick(x < 0.0F, 3.14159265358979324F - steep, steep);
+    return xsimd::copysign(turned, y);
+}
+
+// A power series where the quotient's logarithm would cancel.
+inline Real atanh(Real x) {
+    const Real x2 = x * x;
+    const Real series =
+        x * (1.0F +
+             x2 * (1.0F / 3.0F + x2 * (0.2F + x2 * (1.0F / 7.0F + x2 * (1.0F / 9.0F + x2 * (1.0F / 11.0F))))));
+    return pick(x2 < 0.04F, series, 0.5F * log((1.0F + x) / max(1.0F - x, 1e-37F)));
 }
 
 #pragma GCC diagnostic push

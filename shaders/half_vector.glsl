@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Light reflected by microfacets, as integrals over half vectors: the outline of a light, and what it encloses.
+//
+// A light fills a region of directions i; the microfacets that mirror it into the eye fill a region of half vectors
+// h = i + view. Walter, Marschner, Li and Torrance, "Microfacet Models for Refraction through Rough Surfaces", 2007,
+// eqs 13-14: di = 4 (v.h) dh. So the light that they reflect, before masking and Fresnel, is
+//   (1/n.v) int D(h) (v.h) dh.
+// Trowbridge and Reitz's D (GGX) is constant on the sphere of p = S h, S = diag(1/alpha_x, 1/alpha_y, 1): there
+// D(h) h dh = (1/pi) S^-1 p dp, which Stokes turns into an integral along the outline (Lambert 1760, for w = S^-1 view):
+//   int D (v.h) dh = (1/pi) oint 1/2 w.(p x p') / |p|^2.
+//
+// What is ours. On any circle of directions, great (the edge of a polygon, the horizon) or small (the rim of a sphere),
+// i = (1 - s^2, 2 s) / (1 + s^2) in the circle's own axes, s being the tangent of half the angle. So p is a quadratic
+// in s, p x p' a quadratic too and |p|^2 a quartic with no real root: the integral is elementary, and exact however
+// small alpha is. No edge is split, nothing is tabulated.
+
+#define TINY 1e-30f
+
+vec3 unit(vec3 v)
+{
+  float k = 1.0f / sqrt(max(dot(v, v), TINY));
+  return v * k;
+}
+
+vec3 times(vec3 a, vec3 b)
+{
+  return vec3(a.x * b.x, a.y * b.y, a.z * b.z);
+}
+
+// The angle of (x, y), y >= 0, from the x axis: 0 to pi. A polynomial through Chebyshev's points, 1e-8.
+float angle_of(float x, float y)
+{
+  float wide = abs(x);
+  float low = min(wide, y), high = max(max(wide, y), TINY);
+  float t = low / high;
+  float q = t * t;
+  float a = 0.00276628f * q - 0.01573125f;
+  a = a * q + 0.04213762f;
+  a = a * q - 0.07456855f;
+  a = a * q + 0.10618371f;
+  a = a * q - 0.14197798f;
+  a = a * q + 0.19991872f;
+  a = a * q - 0.33333037f;
+  a = a * q + 0.99999998f;
+  a = a * t;
+  a = pick(y > wide, 1.57079632679489662f - a, a);
+  return pick(x < 0.0f, 3.14159265358979324f - a, a);
+}
+
+// cos(2/3 acos u), u in [0, 1]: a third of an angle from the cosine of half of it. A polynomial, 3e-8.
+float third_of_angle(float u)
+{
+  float c = 0.00112764f * u - 0.00608935f;
+  c = c * u + 0.01604728f;
+  c = c * u - 0.0302354f;
+  c = c * u + 0.05284141f;
+  c = c * u - 0.11103851f;
+  c = c * u + 0.57734692f;
+  return c * u + 0.50000003f;
+}
+
+// Part of the outline, p0 + p1 s + p2 s^2, from s = low to s = high, by way of infinity where low > high.
+struct HalfArc {
+  vec3 p0;
+  vec3 p1;
+  vec3 p2;
+  float low;
+  float high;
+};
+
+#define FAR_END 1e6f
+
+// The tangent of half the angle whose cosine and sine are given.
+float half_tangent(float cosine, float sine)
+{
+  float near_end = sine / max(1.0f + cosine, TINY);
+  float far_end = (1.0f - cosine) / pick(abs(sine) > 1e-12f, sine, 1e-12f);
+  return clamp(pick(cosine > 0.0f, near_end, far_end), -FAR_END, FAR_END);
+}
+
+vec3 mirrored(vec3 view)
+{
+  return vec3(-view.x, -view.y, view.z);
+}
+
+// The great arc from direction a to direction b, less than half a turn. s = 0 lies where the arc is nearest to the
+// mirrored view: all else is small there, so that no peak is lost to rounding.
+HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
+{
+  vec3 chord = b - a;
+  float back = dot(chord, a);
+  vec3 side = unit(chord - a * back);
+  vec3 mirror = mirrored(view);
+  float x = dot(mirror, a), y = dot(mirror, side), to_b = dot(mirror, b);
+  vec3 end = pick(x > to_b, a, b);
+  vec3 nearest = pick(x * dot(b, side) < y * dot(b, a), end, unit(a * x + side * y));
+  vec3 axis = pick(y < 0.0f, end, nearest);
+  float along = dot(chord, axis);
+  side = unit(chord - axis * along);
+  // At grazing angles and on brushed metal the lobe is long and lies askew: one step of Newton's towards its axis.
+  float two = 2.0f;
+  vec3 p = times(stretch, view + axis), slope = times(stretch, side * two);
+  float px = slope.x * p.z - p.x * slope.z, py = slope.y * p.z - p.y * slope.z;
+  float step = -(p.x * px + p.y * py) * p.z / max(px * px + py * py, TINY);
+  float low = half_tangent(dot(a, axis), dot(a, side)), high = half_tangent(dot(b, axis), dot(b, side));
+  step = clamp(step, min(low, 0.0f), max(high, 0.0f));
+  float k = 1.0f / (1.0f + step * step), c = (1.0f - step * step) * k, s = 2.0f * step * k;
+  vec3 old_axis = axis;
+  axis = axis * c + side * s;
+  side = side * c - old_axis * s;
+  HalfArc arc;
+  arc.p0 = times(stretch, view + axis);
+  arc.p1 = times(stretch, side * two);
+  arc.p2 = times(stretch, view - axis);
+  arc.low = half_tangent(dot(a, axis), dot(a, side));
+  arc.high = max(half_tangent(dot(b, axis), dot(b, side)), arc.low);
+  return arc;
+}
+
+// An arc of the circle centre + x cos t + y sin t of directions, by the cosines and sines of its ends.
+HalfArc small_arc(vec3 view, vec3 stretch, vec3 centre, vec3 x, vec3 y, float cos_a, float sin_a, float cos_b,
+                  float sin_b)
+{
+  vec3 mirror = mirrored(view);
+  float c = dot(mirror, x), s = dot(mirror, y);
+  float k = 1.0f / sqrt(max(c * c + s * s, TINY));
+  c = c * k;
+  s = s * k;
+  vec3 axis = x * c + y * s, side = y * c - x * s, middle = view + centre;
+  HalfArc arc;
+  float two = 2.0f;
+  arc.p0 = times(stretch, middle + axis);
+  arc.p1 = times(stretch, side * two);
+  arc.p2 = times(stretch, middle - axis);
+  arc.low = half_tangent(cos_a * c + sin_a * s, sin_a * c - cos_a * s);
+  arc.high = half_tangent(cos_b * c + sin_b * s, sin_b * c - cos_b * s);
+  return arc;
+}
+
+// |p|^2 = scale ((s - m1)^2 + w1^2) ((s - m2)^2 + w2^2): where the outline passes the lobe's axis, and how wide a peak
+// of the integrand is there. Each peak turns through its angle on the way along the arc.
+struct Peaks {
+  float scale;
+  float m1;
+  float w1;
+  float m2;
+  float w2;
+  float angle1;
+  float angle2;
+  float log_ratio;
+};
+
+float turned(float m, float w, float low, float high)
+{
+  float sine = w * (high - low), cosine = w * w + (low - m) * (high - m);
+  float turn = angle_of(cosine, abs(sine));
+  return pick(sine < 0.0f, 3.14159265358979324f - turn, turn);
+}
+
+float from_root(float s, float m, float w)
+{
+  return (s - m) * (s - m) + w * w;
+}
+
+// Ferrari's resolvent. Of its three roots, all real, the largest is the sum of the squared moduli of the quartic's two
+// pairs; the smaller modulus follows from their product, which is a0, without cancellation.
+Peaks peaks_of(HalfArc arc)
+{
+  Peaks peaks;
+  // p2 vanishes where the arc passes through the view itself: one peak goes to infinity. Not further than this.
+  float c4 = max(max(dot(arc.p2, arc.p2), 1e-6f * dot(arc.p1, arc.p1)), 1e-12f);
+  float k = 1.0f / c4;
+  float a0 = dot(arc.p0, arc.p0) * k, a1 = 2.0f * dot(arc.p0, arc.p1) * k, a3 = 2.0f * dot(arc.p1, arc.p2) * k;
+  float a2 = (dot(arc.p1, arc.p1) + 2.0f * dot(arc.p0, arc.p2)) * k;
+  float b = a1 * a3 - 4.0f * a0;
+  float c = 4.0f * a2 * a0 - a3 * a3 * a0 - a1 * a1;
+  float q = max(a2 * a2 - 3.0f * b, TINY) * 0.111111111111111111f;
+  float root_q = sqrt(q);
+  float r = (2.0f * a2 * a2 * a2 - 9.0f * a2 * b - 27.0f * c) * 0.0185185185185185185f;
+  float cosine = clamp(r / max(q * root_q, TINY), -1.0f, 1.0f);
+  float sum = a2 * 0.333333333333333333f + 2.0f * root_q * third_of_angle(sqrt(0.5f + 0.5f * cosine));
+  float apart_c = sqrt(max(sum * sum - 4.0f * a0, 0.0f));
+  float apart_b = sqrt(max(a3 * a3 - 4.0f * (a2 - sum), 0.0f));
+  float c2 = max(0.5f * (sum + apart_c), TINY);
+  float c1 = a0 / c2;
+  // The linear terms by whichever difference is the safer divisor.
+  float by_c = (a1 - a3 * c1) / max(apart_c, TINY);
+  float by_b = 0.5f * (a3 + pick(a1 < 0.5f * a3 * sum, -apart_b, apart_b));
+  float b1 = pick(apart_c * apart_c > apart_b * apart_b * abs(sum), by_c, by_b);
+  float b2 = a3 - b1;
+  peaks.scale = c4;
+  peaks.m1 = -0.5f * b1;
+  peaks.m2 = -0.5f * b2;
+  peaks.w1 = sqrt(max(c1 - peaks.m1 * peaks.m1, 1e-9f * c1 + 1e-18f));
+  peaks.w2 = sqrt(max(c2 - peaks.m2 * peaks.m2, 1e-9f * c2 + 1e-18f));
+  peaks.angle1 = turned(peaks.m1, peaks.w1, arc.low, arc.high);
+  peaks.angle2 = turned(peaks.m2, peaks.w2, arc.low, arc.high);
+  return peaks;
+}
+
+// The integral along the arc of (g0 + g1 s + g2 s^2) / |p|^2, by partial fractions. The residues at two peaks that
+// coincide would be infinite and opposite; a relative distance of SEPARATION costs its square, and saves the rounding.
+#define SEPARATION 0.01f
+
+float rational_integral(HalfArc arc, Peaks peaks, float g0, float g1, float g2)
+{
+  float m1 = peaks.m1, m2 = peaks.m2;
+  float gap = (m1 - m2) * (m1 - m2) + (peaks.w1 - peaks.w2) * (peaks.w1 - peaks.w2);
+  float wide = peaks.w1 + peaks.w2;
+  float shift = pick(gap < SEPARATION * SEPARATION * wide * wide, 0.5f * SEPARATION * wide, 0.0f);
+  float w1 = peaks.w1 + shift, w2 = max(peaks.w2 - shift, TINY);
+  float d = m1 - m2, sums = (w1 - w2) * (w1 + w2);
+  // (z1 - z2) (z1 - conj z2), and its like at z2; g at both.
+  float q_re1 = d * d - sums, q_im1 = 2.0f * d * w1, q_re2 = d * d + sums, q_im2 = -2.0f * d * w2;
+  float g_re1 = g0 + g1 * m1 + g2 * (m1 * m1 - w1 * w1), g_im1 = w1 * (g1 + 2.0f * g2 * m1);
+  float g_re2 = g0 + g1 * m2 + g2 * (m2 * m2 - w2 * w2), g_im2 = w2 * (g1 + 2.0f * g2 * m2);
+  float k1 = 1.0f / (w1 * max(q_re1 * q_re1 + q_im1 * q_im1, TINY));
+  float k2 = 1.0f / (w2 * max(q_re2 * q_re2 + q_im2 * q_im2, TINY));
+  float at_angle1 = (g_re1 * q_re1 + g_im1 * q_im1) * k1, at_angle2 = (g_re2 * q_re2 + g_im2 * q_im2) * k2;
+  float at_log = (g_im1 * q_re1 - g_re1 * q_im1) * k1; // its like at z2 is the opposite: the integrand falls as 1/s^2
+  float ratio1 = from_root(arc.high, m1, w1) / from_root(arc.low, m1, w1);
+  float ratio2 = from_root(arc.high, m2, w2) / from_root(arc.low, m2, w2);
+  float logs = 0.5f * log(ratio1 / ratio2);
+  return (at_angle1 * peaks.angle1 + at_angle2 * peaks.angle2 + at_log * logs) / peaks.scale;
+}
+
+// A point of the outline, p normalised, and its share of the integral of p x p' / |p|^2.
+struct ArcNode {
+  vec3 point;
+  vec3 turn;
+};
+
+// (x, y) turned by an angle of at most a third of a turn.
+float sine_of(float angle)
+{
+  float x = angle * angle;
+  float s = 1.0f - x * 0.0138888888888888889f;
+  s = 1.0f - x * 0.0238095238095238095f * s;
+  s = 1.0f - x * 0.05f * s;
+  s = 1.0f - x * 0.166666666666666667f * s;
+  return angle * s;
+}
+
+float cosine_of(float angle)
+{
+  float x = angle * angle;
+  float c = 1.0f - x * 0.0111111111111111111f;
+  c = 1.0f - x * 0.0178571428571428571f * c;
+  c = 1.0f - x * 0.0333333333333333333f * c;
+  c = 1.0f - x * 0.0833333333333333333f * c;
+  return 1.0f - x * 0.5f * c;
+}
+
+// The node where a given share of both peaks' angles is behind. There the two integrands 1/|s - z|^2 are flat, and
+// (s - z1)(s - z2) has a known phase: s is the root of a quadratic.
+ArcNode node_at(HalfArc arc, Peaks peaks, float share, float weight)
+{
+  float m1 = peaks.m1, m2 = peaks.m2, w1 = peaks.w1, w2 = peaks.w2;
+  float total = peaks.angle1 + peaks.angle2;
+  // The phase at the nearer end, turned. FIRST_THIRD: shares beyond one half count from the other end.
+  float from_high = pick(share > 0.5f, 1.0f, 0.0f);
+  float s = pick(share > 0.5f, arc.high, arc.low);
+  float turn = total * min(share, 1.0f - share);
+  float x = (s - m1) * (s - m2) - w1 * w2, y = -w1 * (s - m2) - w2 * (s - m1);
+  float k = 1.0f / sqrt(max(x * x + y * y, TINY));
+  float cosine = cosine_of(turn), sine = sine_of(turn) * (1.0f - 2.0f * from_high);
+  float ex = (x * cosine - y * sine) * k, ey = (y * cosine + x * sine) * k;
+  float qb = ey * (m1 + m2) - ex * (w1 + w2), qc = ex * (m1 * w2 + m2 * w1) - ey * (m1 * m2 - w1 * w2);
+  float root = sqrt(max(qb * qb + 4.0f * ey * qc, 0.0f));
+  float half_sum = -0.5f * (qb + pick(qb < 0.0f, -root, root));
+  float one = -half_sum / pick(abs(ey) > 1e-12f, ey, 1e-12f);
+  float two = qc / pick(abs(half_sum) > 1e-12f, half_sum, 1e-12f);
+  float same = ex * ((one - m1) * (one - m2) - w1 * w2) - ey * (w1 * (one - m2) + w2 * (one - m1));
+  s = clamp(pick(same > 0.0f, one, two), -FAR_END, FAR_END);
+  float flat = w1 / from_root(s, m1, w1) + w2 / from_root(s, m2, w2);
+  vec3 p = arc.p0 + (arc.p1 + arc.p2 * s) * s;
+  float s2 = 2.0f * s;
+  vec3 slope = arc.p1 + arc.p2 * s2;
+  float n = 1.0f / max(dot(p, p), TINY);
+  float amount = total * weight * n / max(flat, TINY);
+  float length = sqrt(n);
+  ArcNode node;
+  node.point = p * length;
+  node.turn = cross(p, slope) * amount;
+  return node;
+}

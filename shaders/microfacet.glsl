@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rough metal and varnish: microfacets, and how a light's outline gives what they reflect of it. No tables.
+//
+// Directions are in the frame of the shading point: z the normal, x the tangent, the point at the origin; `view` is the
+// unit vector towards the eye, on the side of the normal. All lights have radiance 1.
+//
+// D: Trowbridge and Reitz (1975, GGX); Beckmann (1963); Blinn (1977) with exponent 2/alpha^2 - 2. Masking: Smith's,
+// height-correlated (Heitz, "Understanding the Masking-Shadowing Function", 2014, eq 99) as in EEVEE and in the tables
+// of Heitz et al. (2016); Cycles 3.4 multiplies two G1 instead. Lambda of Beckmann, and with it that of Blinn, is the
+// rational fit of Walter et al. (2007). Fresnel: Schlick (1994), split so that one integral serves every colour.
+
+#define BRDF_GGX 0
+#define BRDF_BECKMANN 1
+#define BRDF_BLINN_PHONG 2
+
+// int f_{F=1} cos dw, and the same weighted by (1 - v.h)^5: F0 (plain - schlick) + schlick is reflected.
+struct Reflection {
+  float plain;
+  float schlick;
+};
+
+#define ALPHA_MIN 0.01f
+#define VIEW_MIN 1e-3f
+
+// A lobe without tails is traced with the peaks of a GGX lobe that is this much wider.
+#define GUIDE 1.22474487139158905f
+
+struct Microfacets {
+  int brdf; // one for all lanes
+  vec3 view;
+  vec3 rough;   // (alpha_x, alpha_y, 1)
+  vec3 squash;  // from the sphere of p to half vectors: rough, or wider
+  vec3 stretch; // and back
+  vec3 weight;  // squash * view
+  float view_reach;
+  Poles poles; // of the lobe, where it is not GGX; on the sphere of p
+};
+
+// d.z / G1(d), which stays finite where d grazes the surface.
+float reach(int brdf, vec3 rough, vec3 d)
+{
+  vec3 r = times(rough, d);
+  if (brdf == BRDF_GGX) {
+    return 0.5f * (d.z + sqrt(dot(r, r)));
+  }
+  float across = sqrt(r.x * r.x + r.y * r.y), a = d.z / max(across, TINY);
+  float masked = across * (1.0f + a * (2.276f + 2.577f * a)) / (3.535f + 2.181f * a);
+  return pick(a < 1.6f, masked, d.z);
+}
+
+// alpha below 0.01 is taken for 0.01 (a mirror within 0.6 degrees), above 1 for 1; a view from below or along the
+// surface for one that is 0.06 degrees above it. Blinn: alpha_x alone, at most 0.447 (exponent 8, where the poles end).
+Microfacets microfacets(int brdf, vec3 view, float alpha_x, float alpha_y)
+{
+  Microfacets m;
+  m.brdf = brdf;
+  m.view = unit(vec3(view.x, view.y, max(view.z, VIEW_MIN)));
+  float one = 1.0f, wider = one, exponent = 1e6f;
+  float ax = clamp(alpha_x, ALPHA_MIN, 1.0f), ay = clamp(alpha_y, ALPHA_MIN, 1.0f);
+  if (brdf == BRDF_BLINN_PHONG) {
+    ax = min(ax, 0.447213f);
+    ay = ax;
+    exponent = 2.0f / (ax * ax) - 1.0f;
+  }
+  if (brdf != BRDF_GGX) {
+    wider = GUIDE;
+  }
+  m.rough = vec3(ax, ay, one);
+  m.squash = vec3(ax * wider, ay * wider, one);
+  m.stretch = vec3(one / m.squash.x, one / m.squash.y, one);
+  m.weight = times(m.squash, m.view);
+  m.view_reach = reach(brdf, m.rough, m.view);
+  // B of two_poles is a square of a tangent of theta.
+  m.poles = two_poles(exponent);
+  float to_p = 0.5f * (exponent + 1.0f) / (wider * wider);
+  m.poles.b1 = complex_scale(to_p, m.poles.b1);
+  m.poles.b2 = complex_scale(to_p, m.poles.b2);
+  return m;
+}
+
+// The density of normals h, unit vectors.
+float normal_density(Microfacets m, vec3 h)
+{
+  float one = 1.0f, z2 = max(h.z * h.z, 1e-12f);
+  vec3 p = vec3(h.x / m.rough.x, h.y / m.rough.y, one);
+  float slope2 = (p.x * p.x + p.y * p.y) / z2, k = 0.318309886183790672f / (m.rough.x * m.rough.y);
+  if (m.brdf == BRDF_GGX) {
+    return k / (z2 * z2 * (1.0f + slope2) * (1.0f + slope2));
+  }
+  if (m.brdf == BRDF_BECKMANN) {
+    return k * exp(-slope2) / (z2 * z2);
+  }
+  return k * exp((1.0f / (m.rough.x * m.rough.x) - 1.0f) * log(z2));
+}
+
+// F and G2 / n.v, for F = 1 and for (1 - v.h)^5, where the half vector is squash * p.
+Reflection masking(Microfacets m, vec3 p)
+{
+  vec3 h = times(m.squash, p);
+  float n = 1.0f / max(dot(h, h), TINY);
+  float along = dot(m.view, h);
+  float two = 2.0f * along * n;
+  vec3 i = h * two - m.view;
+  i.z = max(i.z, 0.0f);
+  float miss = clamp(1.0f - along * sqrt(n), 0.0f, 1.0f);
+  // 1 / G2 = 1 + Lambda(v) + Lambda(i), times n.v and n.i.
+  float shadowed = reach(m.brdf, m.rough, i);
+  Reflection g;
+  g.plain = i.z / max(m.view_reach * i.z + m.view.z * (shadowed - i.z), TINY);
+  g.schlick = g.plain * miss * miss * miss * miss * miss;
+  return g;
+}
+
+// The BRDF times n.i, for F = 1: what a light that fills little of the sky is worth.
+Reflection microfacet_reflection(Microfacets m, vec3 i)
+{
+  vec3 h = unit(m.view + i);
+  Reflection f = masking(m, times(m.stretch, h));
+  float lobe = 0.25f * normal_density(m, h) * pick(i.z > 0.0f, 1.0f, 0.0f);
+  f.plain = f.plain * lobe;
+  f.schlick = f.schlick * lobe;
+  return f;
+}
+
+// What an arc of the outline encloses, and two nodes that stand for it.
+struct RimArc {
+  float flux;
+  ArcNode a;
+  ArcNode b;
+};
+
+// Gauss's two nodes for arcs with ends; the middles of both halves for those that close, where equal steps are best.
+#define OPEN_NODE 0.211324865405187118f
+#define CLOSED_NODE 0.25f
+
+// The same share for a lobe that is a sum of poles: every pole is a GGX lobe of complex alpha^2 = b, and
+// D h dh = (1/pi) S^-2 (h x h') / |S h|^2 holds for each.
+ArcNode of_lobe(Microfacets m, ArcNode node)
+{
+  float across = node.point.x * node.point.x + node.point.y * node.point.y, up = node.point.z * node.point.z;
+  Complex d1 = complex(across + m.poles.b1.re * up, m.poles.b1.im * up);
+  Complex d2 = complex(across + m.poles.b2.re * up, m.poles.b2.im * up);
+  Complex k1 = complex_div(m.poles.w1, d1), k2 = complex_div(m.poles.w2, d2);
+  float flat = complex_mul(m.poles.b1, k1).re + complex_mul(m.poles.b2, k2).re, z = k1.re + k2.re;
+  ArcNode weighted;
+  weighted.point = node.point;
+  weighted.turn = times(node.turn, vec3(flat, flat, z));
+  return weighted;
+}
+
+float node_flux(Microfacets m, ArcNode node)
+{
+  return 0.5f * dot(m.weight, node.turn);
+}
+
+// GGX: exact. Else by Kronrod's five nodes, two of which are Gauss's two, which the mean below needs anyway.
+#define KRONROD_NODE 0.0370899500115f
+
+RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node)
+{
+  RimArc arc;
+  arc.a = node_at(half_arc, peaks, first_node, 0.5f);
+  arc.b = node_at(half_arc, peaks, 1.0f - first_node, 0.5f);
+  if (m.brdf == BRDF_GGX) {
+    float g0 = 0.5f * dot(m.weight, cross(half_arc.p0, half_arc.p1));
+    float g1 = dot(m.weight, cross(half_arc.p0, half_arc.p2));
+    float g2 = 0.5f * dot(m.weight, cross(half_arc.p1, half_arc.p2));
+    arc.flux = rational_integral(half_arc, peaks, g0, g1, g2);
+  }
+  if (m.brdf != BRDF_GGX) {
+    arc.a = of_lobe(m, arc.a);
+    arc.b = of_lobe(m, arc.b);
+    ArcNode first = of_lobe(m, node_at(half_arc, peaks, KRONROD_NODE, 0.0989899494949494949f));
+    ArcNode centre = of_lobe(m, node_at(half_arc, peaks, 0.5f, 0.311111111111111111f));
+    ArcNode last = of_lobe(m, node_at(half_arc, peaks, 1.0f - KRONROD_NODE, 0.0989899494949494949f));
+    arc.flux = 0.490909090909090909f * (node_flux(m, arc.a) + node_flux(m, arc.b)) + node_flux(m, first) +
+               node_flux(m, centre) + node_flux(m, last);
+  }
+  return arc;
+}
+
+vec3 turns(RimArc arc)
+{
+  return arc.a.turn + arc.b.turn;
+}
+
+RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
+{
+  HalfArc half_arc = great_arc(m.view, m.stretch, a, b);
+  return rim_arc(m, half_arc, peaks_of(half_arc), OPEN_NODE);
+}
+
+// A small circle that is small beside the lobe has its peaks at +-i, both: there, and there alone, the nodes' own sum
+// is the better one.
+#define NEARLY_ONE_PEAK 0.1f
+
+RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
+{
+  Peaks peaks = peaks_of(half_arc);
+  RimArc arc = rim_arc(m, half_arc, peaks, first_node);
+  float wide = NEARLY_ONE_PEAK * (peaks.w1 + peaks.w2), d = peaks.m1 - peaks.m2, e = peaks.w1 - peaks.w2;
+  arc.flux = pick(d * d + e * e < wide * wide, 0.5f * dot(m.weight, turns(arc)), arc.flux);
+  return arc;
+}
+
+// Masking and Fresnel vary slowly over the region. Their mean: a fan of triangles from the region's middle to the nodes
+// of its outline, each by Radau's rule (nodes at the apex and at three quarters, exact for quadratics along the ray).
+struct Mean {
+  vec3 apex;
+  Reflection at_apex;
+  float apex_weight;
+  float weight;
+  float plain;
+  float schlick;
+  float most; // masking at any node: the mean is no higher
+};
+
+Mean mean_about(Microfacets m, vec3 middle)
+{
+  Mean mean;
+  // Inside by construction, but for rounding: a half vector below the horizon mirrors nothing.
+  mean.apex = unit(vec3(middle.x, middle.y, max(middle.z, 1e-6f)));
+  mean.at_apex = masking(m, mean.apex);
+  mean.apex_weight = 0.111111111111111111f * dot(m.weight, mean.apex);
+  mean.weight = 0.0f;
+  mean.plain = 0.0f;
+  mean.schlick = 0.0f;
+  mean.most = mean.at_apex.plain;
+  return mean;
+}
+
+Mean with_node(Mean mean, Microfacets m, ArcNode node)
+{
+  float near_part = 0.25f, far_part = 0.75f;
+  vec3 p = unit(mean.apex * near_part + node.point * far_part);
+  Reflection g = masking(m, p);
+  float solid_angle = dot(mean.apex, node.turn) / max(1.0f + dot(mean.apex, node.point), 1e-3f);
+  float at_apex = solid_angle * mean.apex_weight;
+  float at_node = 0.888888888888888889f * solid_angle * dot(m.weight, p);
+  mean.weight = mean.weight + at_apex + at_node;
+  mean.plain = mean.plain + at_apex * mean.at_apex.plain + at_node * g.plain;
+  mean.schlick = mean.schlick + at_apex * mean.at_apex.schlick + at_node * g.schlick;
+  mean.most = max(mean.most, g.plain);
+  return mean;
+}
+
+Mean with_arc(Mean mean, Microfacets m, RimArc arc)
+{
+  return with_node(with_node(mean, m, arc.a), m, arc.b);
+}
+
+// Either winding: the outline's sense is that of its flux.
+Reflection reflected(Mean mean, float flux)
+{
+  float k = pick(mean.weight < 0.0f, -1.0f, 1.0f) / max(abs(mean.weight), TINY);
+  float amount = 0.318309886183790672f * abs(flux);
+  float plain = min(max(mean.plain * k, 0.0f), mean.most);
+  Reflection light;
+  light.schlick = amount * min(max(mean.schlick * k, 0.0f), plain);
+  light.plain = amount * plain;
+  return light;
+}
+
+vec3 facing(vec3 middle, float flux)
+{
+  float sense = pick(flux < 0.0f, -1.0f, 1.0f);
+  return middle * sense;
+}

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Area lights reflected by microfacets: quadrilaterals, spheres, ellipses; what is below the horizon gives nothing.
+// Each light is its outline in arcs (half_vector.glsl), closed along the horizon where that cuts it.
+
+// ---- The horizon ----
+
+// The part above the horizon of an edge, and where it crosses on the way down (leave) or up (enter).
+struct LitEdge {
+  vec3 a;
+  vec3 b;
+  vec3 leave;
+  vec3 enter;
+};
+
+LitEdge lit_edge(vec3 a, vec3 b)
+{
+  float rise = b.z - a.z, zero = 0.0f;
+  float t = clamp(-a.z / pick(abs(rise) > TINY, rise, TINY), 0.0f, 1.0f);
+  vec3 crossing = unit(vec3(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), zero));
+  vec3 none = vec3(zero, zero, zero), zenith = vec3(zero, zero, 1.0f);
+  LitEdge edge;
+  edge.a = pick(a.z < 0.0f, pick(b.z < 0.0f, zenith, crossing), unit(a));
+  edge.b = pick(b.z < 0.0f, pick(a.z < 0.0f, zenith, crossing), unit(b));
+  edge.leave = pick(a.z < 0.0f, none, pick(b.z < 0.0f, crossing, none));
+  edge.enter = pick(a.z < 0.0f, pick(b.z < 0.0f, none, crossing), none);
+  return edge;
+}
+
+RimArc lit_arc(Microfacets m, LitEdge edge)
+{
+  return great_circle_arc(m, edge.a, edge.b);
+}
+
+// The arc along the horizon that closes a clipped outline; no length where nothing was clipped.
+RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
+{
+  float both = dot(leave, leave) * dot(enter, enter), zero = 0.0f;
+  vec3 zenith = vec3(zero, zero, 1.0f);
+  return great_circle_arc(m, pick(both > 0.25f, leave, zenith), pick(both > 0.25f, enter, zenith));
+}
+
+// ---- Lights ----
+
+Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
+{
+  LitEdge ab = lit_edge(a, b), bc = lit_edge(b, c), cd = lit_edge(c, d), da = lit_edge(d, a);
+  RimArc arcs[5];
+  arcs[0] = lit_arc(m, ab);
+  arcs[1] = lit_arc(m, bc);
+  arcs[2] = lit_arc(m, cd);
+  arcs[3] = lit_arc(m, da);
+  arcs[4] = horizon_arc(m, ab.leave + bc.leave + cd.leave + da.leave, ab.enter + bc.enter + cd.enter + da.enter);
+  float flux = arcs[0].flux;
+  vec3 middle = turns(arcs[0]);
+  for (int k = 1; k < 5; ++k) {
+    flux = flux + arcs[k].flux;
+    middle = middle + turns(arcs[k]);
+  }
+  Mean mean = mean_about(m, facing(middle, flux));
+  for (int k = 0; k < 5; ++k) {
+    mean = with_arc(mean, m, arcs[k]);
+  }
+  return reflected(mean, flux);
+}
+
+// The rim of a sphere is a small circle of directions. Its top divides what is above the horizon into two arcs alike.
+// The point must be outside the sphere.
+Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
+{
+  float zero = 0.0f, one = 1.0f;
+  float sine = clamp(radius / sqrt(max(dot(centre, centre), TINY)), 1e-6f, 0.99999f);
+  float cosine = sqrt(1.0f - sine * sine);
+  vec3 axis = unit(centre);
+  float level = sqrt(max(1.0f - axis.z * axis.z, 0.0f));
+  vec3 uphill = unit(vec3(-axis.x * axis.z, -axis.y * axis.z, level * level));
+  vec3 x = pick(level < 1e-4f, vec3(one, zero, zero), uphill);
+  vec3 y = cross(axis, x);
+  x = x * sine;
+  y = y * sine;
+  vec3 middle = axis * cosine;
+  float rise = max(level, 1e-4f) * sine;
+  float cos_end = clamp(-middle.z / rise, -1.0f, 1.0f);
+  float sin_end = sqrt(max(1.0f - cos_end * cos_end, 0.0f));
+  vec3 leave = middle + x * cos_end + y * sin_end, enter = middle + x * cos_end - y * sin_end;
+  float cut = pick(abs(cos_end) < 0.9999999f, 1.0f, 0.0f);
+  RimArc arcs[3];
+  arcs[0] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, one, zero, cos_end, sin_end), CLOSED_NODE);
+  arcs[1] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, cos_end, -sin_end, one, zero), CLOSED_NODE);
+  arcs[2] = horizon_arc(m, leave * cut, enter * cut);
+  float flux = (arcs[0].flux + arcs[1].flux + arcs[2].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
+  Mean mean = mean_about(m, facing(turns(arcs[0]) + turns(arcs[1]) + turns(arcs[2]), flux));
+  mean = with_arc(with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]), m, arcs[2]);
+  return reflected(mean, flux);
+}
+
+// The small circle through three directions, by the middle one and the chords to it and from it.
+RimArc arc_through(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out)
+{
+  vec3 axis = cross(chord_in, chord_out);
+  float in2 = dot(chord_in, chord_in), out2 = dot(chord_out, chord_out);
+  float half_inverse = 0.5f / max(dot(axis, axis), TINY);
+  // From the circle's centre to the middle: the circumcentre of a triangle.
+  vec3 x = cross(chord_out * in2 + chord_in * out2, axis) * half_inverse;
+  float longest = sqrt(dot(x, x)), k = min(1.0f / max(longest, TINY), 1.0f);
+  x = x * k; // no circle of directions is larger
+  vec3 y = cross(unit(axis), x), to_a = x - chord_in, to_b = x + chord_out;
+  k = 1.0f / max(dot(x, x), TINY);
+  return small_circle_arc(m,
+                          small_arc(m.view, m.stretch, middle - x, x, y, dot(to_a, x) * k, dot(to_a, y) * k,
+                                    dot(to_b, x) * k, dot(to_b, y) * k),
+                          OPEN_NODE);
+}
+
+// A point of the rim, and from there to the next: the chord between both directions, without cancellation.
+struct RimStep {
+  vec3 to;
+  vec3 chord; // between the unit vectors
+};
+
+RimStep rim_step(vec3 from, vec3 along)
+{
+  RimStep rim;
+  rim.to = from + along;
+  float a = sqrt(max(dot(from, from), TINY)), b = sqrt(max(dot(rim.to, rim.to), TINY)), inverse = 1.0f / b;
+  float longer = dot(along, from + rim.to) / ((a + b) * a);
+  rim.chord = (along - from * longer) * inverse;
+  return rim;
+}
+
+// The rim of an ellipse (disk) with half axes u and v, as ELLIPSE_ARCS small circles through three of its points each.
+#define ELLIPSE_ARCS 8
+
+Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
+{
+  // Conjugate half axes, the first to the highest point: z is centre.z + rise cos t.
+  float rise = sqrt(max(u.z * u.z + v.z * v.z, TINY)), k = 1.0f / rise;
+  float cu = pick(rise < 1e-12f, 1.0f, u.z * k), su = pick(rise < 1e-12f, 0.0f, v.z * k);
+  vec3 x = u * cu + v * su, y = v * cu - u * su;
+  float cos_end = clamp(-centre.z / max(rise, 1e-12f), -1.0f, 1.0f);
+  float sin_end = sqrt(max(1.0f - cos_end * cos_end, 0.0f));
+  // A sixteenth of the way round, by halving the angle three times.
+  float s = sqrt(0.5f - 0.5f * cos_end), c = sqrt(0.5f + 0.5f * cos_end);
+  for (int halving = 0; halving < 2; ++halving) {
+    c = sqrt(0.5f + 0.5f * c);
+    s = 0.5f * s / c;
+  }
+  // From t to t + 2 d the rim goes 2 sin d along (-x sin(t + d) + y cos(t + d)). Here d is half of the step above.
+  float cos_d = sqrt(0.5f + 0.5f * c), sin_d = 0.5f * s / cos_d, twice = 2.0f * sin_d;
+  float cos_t = cos_end * cos_d - sin_end * -sin_d, sin_t = -sin_end * cos_d + cos_end * sin_d, next = 0.0f;
+  RimStep here, half_way;
+  here.to = centre + x * cos_end - y * sin_end;
+  vec3 enter = unit(here.to);
+  RimArc arcs[ELLIPSE_ARCS + 1];
+  float flux = 0.0f;
+  vec3 middle = enter * flux;
+  for (int n = 0; n < ELLIPSE_ARCS; ++n) {
+    half_way = rim_step(here.to, (y * cos_t - x * sin_t) * twice);
+    next = cos_t * c - sin_t * s;
+    sin_t = sin_t * c + cos_t * s;
+    cos_t = next;
+    here = rim_step(half_way.to, (y * cos_t - x * sin_t) * twice);
+    next = cos_t * c - sin_t * s;
+    sin_t = sin_t * c + cos_t * s;
+    cos_t = next;
+    arcs[n] = arc_through(m, unit(half_way.to), half_way.chord, here.chord);
+    flux = flux + arcs[n].flux;
+    middle = middle + turns(arcs[n]);
+  }
+  vec3 leave = unit(here.to);
+  float cut = pick(abs(cos_end) < 0.9999999f, 1.0f, 0.0f);
+  arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
+  flux = (flux + arcs[ELLIPSE_ARCS].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
+  Mean mean = mean_about(m, facing(middle + turns(arcs[ELLIPSE_ARCS]), flux));
+  for (int n = 0; n <= ELLIPSE_ARCS; ++n) {
+    mean = with_arc(mean, m, arcs[n]);
+  }
+  return reflected(mean, flux);
+}
+
+// ---- GGX by its parameters ----
+
+Reflection ggx_quad(vec3 view, float alpha_x, float alpha_y, vec3 a, vec3 b, vec3 c, vec3 d)
+{
+  return microfacet_quad(microfacets(BRDF_GGX, view, alpha_x, alpha_y), a, b, c, d);
+}
+
+Reflection ggx_sphere(vec3 view, float alpha_x, float alpha_y, vec3 centre, float radius)
+{
+  return microfacet_sphere(microfacets(BRDF_GGX, view, alpha_x, alpha_y), centre, radius);
+}
+
+Reflection ggx_ellipse(vec3 view, float alpha_x, float alpha_y, vec3 centre, vec3 u, vec3 v)
+{
+  return microfacet_ellipse(microfacets(BRDF_GGX, view, alpha_x, alpha_y), centre, u, v);
+}
