@@ -4,20 +4,13 @@
 #include "lanes.hpp"
 #include "lights_lanes.hpp"
 #include "sampling.hpp"
+#include "shading_lanes.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
-
-struct Surface {
-    Mask hit;
-    Real distance; // or the ray's reach
-    vec3 normal;   // shading normal, towards the eye
-    vec3 geometric_normal;
-    vec3 albedo;
-};
 
 // Embree's packets want -1 for lanes that trace and 0 for those that rest.
 inline void valid_lanes(Mask mask, int *valid) {
@@ -97,11 +90,35 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     surface.geometric_normal = surface.geometric_normal * side;
     alignas(64) std::int32_t materials[LANES];
     for (int lane = 0; lane < LANES; ++lane) {
-        materials[lane] = 3 * view.material[triangles[lane]];
+        materials[lane] = MATERIAL_FLOATS * view.material[triangles[lane]];
     }
     const Index material = Index::load_aligned(materials);
-    surface.albedo = {gather(view.albedo, material), gather(view.albedo + 1, material),
-                      gather(view.albedo + 2, material)};
+    const auto property = [&](int number) { return gather(view.properties + number, material); };
+    surface.albedo = {property(0), property(1), property(2)};
+    surface.reflectance = {property(3), property(4), property(5)};
+    surface.edge = property(6);
+    surface.alpha_x = property(7);
+    surface.alpha_y = property(8);
+    surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
+    if (surface.glossy) {
+        surface.tangents = plane_across(surface.normal);
+        if (view.corner_tangents != nullptr) {
+            const auto tangent_axis = [&](int axis) {
+                return (1.0F - u - v) * gather(view.corner_tangents + axis, corners) +
+                       u * gather(view.corner_tangents + 3 + axis, corners) +
+                       v * gather(view.corner_tangents + 6 + axis, corners);
+            };
+            const vec3 tangent{tangent_axis(0), tangent_axis(1), tangent_axis(2)};
+            const vec3 along = tangent - surface.normal * dot(tangent, surface.normal);
+            const Real length2 = dot(along, along);
+            const Mask usable = length2 > 1e-12F;
+            const Real scale = 1.0F / sqrt(pick(usable, length2, 1.0F));
+            const auto chosen = [&](Real found, Real other) { return pick(usable, found * scale, other); };
+            Plane &plane = surface.tangents;
+            plane.x = {chosen(along.x, plane.x.x), chosen(along.y, plane.x.y), chosen(along.z, plane.x.z)};
+            plane.y = cross(surface.normal, plane.x);
+        }
+    }
     return surface;
 }
 
@@ -150,58 +167,60 @@ struct Reflected {
     Real shadowed[3], open[3];
 };
 
-// One light's irradiance on surfaces: unoccluded, the shares that solids and smoke let through, and what it would be if
-// the surface faced the light.
-struct Incident {
-    Real irradiance, facing, visible;
-    Real through[3];
-};
-
-Incident incident(const FrameView &frame, const LightView &light, const Packet &packet, const Surface &surface,
-                  const vec3 &point, const vec3 &start) {
-    Incident in{0.0F, 0.0F, 0.0F, {1.0F, 1.0F, 1.0F}};
-    const Towards towards =
-        sample_towards(light, point, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
-    in.facing = pick(surface.hit, towards.irradiance, 0.0F);
-    const Real cosine = dot(surface.normal, towards.direction);
-    const Mask lit =
-        surface.hit & (cosine > 0.0F) & (in.facing > 0.0F) & (dot(surface.geometric_normal, towards.direction) > 0.0F);
-    if (!xsimd::any(lit)) {
-        return in;
-    }
-    in.irradiance = pick(lit, towards.irradiance * cosine, 0.0F);
-    in.visible = visibility(frame.surfaces, start, towards, lit);
-    smoke_transmittance(frame, light, point, in.through);
-    return in;
+// The share of a light that reaches a surface: past solids, asked for one point of the light, and through the smoke.
+// What the surface's shading normal does not see of the light is not in its shading, and counts as visible.
+Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3 &start, const Towards &towards) {
+    const Mask above = surface.hit & (dot(surface.normal, towards.direction) > 0.0F);
+    const Mask asked = above & (dot(surface.geometric_normal, towards.direction) > 0.0F);
+    const Real visible = visibility(frame.surfaces, start, towards, asked);
+    return pick(asked, visible, pick(above, 0.0F, 1.0F));
 }
 
 Reflected reflected(const FrameView &frame, Output output, const Packet &packet, const Ray &ray,
                     const Surface &surface) {
     Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    const bool picture = output == Output::PICTURE || output == Output::SURFACES;
     const vec3 point = ray.origin + ray.direction * surface.distance;
     // Start the shadow ray off the surface by a few rounding errors of the coordinates.
     const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
     const vec3 start = point + surface.geometric_normal * offset;
     const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
+    const Real reflectances[3] = {surface.reflectance.x, surface.reflectance.y, surface.reflectance.z};
+    const Receiver receiver(surface, point, ray.direction);
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
     for (const LightView &light : frame.lights) {
-        const Incident in = incident(frame, light, packet, surface, point, start);
+        const Shading shading = shade(receiver, light);
+        const Mask lit = surface.hit & ((shading.diffuse > 0.0F) | (shading.gloss.plain > 0.0F));
+        const Towards towards =
+            sample_towards(light, point, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
         for (int c = 0; c < 3; ++c) {
-            const Real solid = in.irradiance * in.visible * light.strength[c];
-            if (output == Output::PICTURE || output == Output::SURFACES) {
-                out.open[c] = out.open[c] + diffuse_reflection(albedos[c], solid);
-                out.shadowed[c] = out.shadowed[c] + diffuse_reflection(albedos[c], solid * in.through[c]);
+            facing[c] = facing[c] + pick(surface.hit, towards.irradiance, 0.0F) * light.strength[c];
+        }
+        if (!xsimd::any(lit)) {
+            continue;
+        }
+        const Real visible = pick(lit, solid_visibility(frame, surface, start, towards), 0.0F);
+        Real through[3];
+        smoke_transmittance(frame, light, point, through);
+        for (int c = 0; c < 3; ++c) {
+            if (picture) {
+                const Real edge = surface.edge * (1.0F - reflectances[c]);
+                const Real sent = (albedos[c] * shading.diffuse + reflectances[c] * shading.gloss.plain +
+                                   edge * shading.gloss.schlick) *
+                                  (visible * light.strength[c]);
+                out.open[c] = out.open[c] + sent;
+                out.shadowed[c] = out.shadowed[c] + sent * through[c];
                 continue;
             }
             // The share of light that is missing, of all that would be there if the surface faced every light.
-            const Real all = output == Output::ALL_SHADOWS ? in.irradiance * light.strength[c] : solid;
-            out.shadowed[c] = out.shadowed[c] + (all - solid * in.through[c]);
-            facing[c] = facing[c] + in.facing * light.strength[c];
+            const Real all = shading.diffuse * (3.14159265F * light.strength[c]);
+            const Real solid = all * visible;
+            out.shadowed[c] = out.shadowed[c] + ((output == Output::ALL_SHADOWS ? all : solid) - solid * through[c]);
         }
     }
-    if (output == Output::SMOKE_SHADOW || output == Output::ALL_SHADOWS) {
+    if (!picture) {
         for (int c = 0; c < 3; ++c) {
-            out.shadowed[c] = out.shadowed[c] / facing[c];
+            out.shadowed[c] = min(out.shadowed[c] / facing[c], 1.0F);
         }
     }
     return out;

@@ -117,12 +117,15 @@ struct LightSlice {
     int z = 0;
 };
 
+constexpr int MATERIAL_FLOATS = 9;
+
 // The triangles' attributes, indexed by Embree's primitive number.
 struct SurfaceView {
     RTCScene scene = nullptr;
     const float *corner_normals = nullptr;  // nine floats a triangle
     const std::int32_t *material = nullptr; // one a triangle
-    const float *albedo = nullptr;          // three floats a material
+    const float *properties = nullptr;      // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y
+    const float *corner_tangents = nullptr; // nine floats a triangle; null where no mesh has any
 };
 
 struct FrameView {

@@ -12,14 +12,23 @@
 
 namespace sfumato {
 
-// Triangles that reflect diffusely. Every triangle has three corner normals, so flat, smooth and custom shading
-// need no flag, and one row of `albedo`, so an object may carry several materials.
+// A layer that reflects like a mirror broken into facets: GGX (Walter et al. 2007) with Smith's shadowing.
+struct Gloss {
+    glm::vec3 reflectance{0.0F}; // of light from straight on
+    float edge = 0.0F;           // 1: at grazing angles all is reflected (Schlick 1994); 0: no more than straight on
+    std::array<float, 2> alpha{0, 0}; // slopes along the tangent and across it; the square of an artist's roughness
+};
+
+// Triangles that reflect diffusely, and with gloss. Every triangle has three corner normals, so flat, smooth and custom
+// shading need no flag, and one row of `albedo`, so an object may carry several materials.
 struct Mesh {
     std::vector<glm::vec3> vertices;
     std::vector<glm::uvec3> triangles;                    // indices into vertices
     std::vector<std::array<glm::vec3, 3>> corner_normals; // one triple per triangle, unit length
     std::vector<std::uint32_t> material;                  // one per triangle, index into albedo
     std::vector<glm::vec3> albedo;
+    std::vector<Gloss> gloss;                              // one for each albedo; or none
+    std::vector<std::array<glm::vec3, 3>> corner_tangents; // as corner_normals; or none
 };
 
 // Smoke: a grid of densities, cell-centred, interpolated trilinearly and zero outside.

@@ -31,6 +31,8 @@ Surfaces::Surfaces(std::span<const Mesh> meshes) {
     }
     corner_normals_.reserve(9 * triangles);
     material_.reserve(triangles);
+    const bool tangents =
+        std::any_of(meshes.begin(), meshes.end(), [](const Mesh &mesh) { return !mesh.corner_tangents.empty(); });
     std::uint32_t first_vertex = 0;
     for (const Mesh &mesh : meshes) {
         positions = std::copy(mesh.vertices.begin(), mesh.vertices.end(), positions);
@@ -42,12 +44,23 @@ Surfaces::Surfaces(std::span<const Mesh> meshes) {
                 corner_normals_.insert(corner_normals_.end(), {normal.x, normal.y, normal.z});
             }
         }
-        const auto first_material = static_cast<std::int32_t>(albedo_.size() / 3);
+        for (std::size_t i = 0; tangents && i < mesh.triangles.size(); ++i) {
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                const glm::vec3 tangent =
+                    mesh.corner_tangents.empty() ? glm::vec3(0.0F) : mesh.corner_tangents[i][corner];
+                corner_tangents_.insert(corner_tangents_.end(), {tangent.x, tangent.y, tangent.z});
+            }
+        }
+        const auto first_material = static_cast<std::int32_t>(properties_.size() / MATERIAL_FLOATS);
         for (const std::uint32_t material : mesh.material) {
             material_.push_back(first_material + static_cast<std::int32_t>(material));
         }
-        for (const glm::vec3 &albedo : mesh.albedo) {
-            albedo_.insert(albedo_.end(), {albedo.x, albedo.y, albedo.z});
+        for (std::size_t i = 0; i < mesh.albedo.size(); ++i) {
+            const glm::vec3 &albedo = mesh.albedo[i];
+            const Gloss gloss = i < mesh.gloss.size() ? mesh.gloss[i] : Gloss{};
+            const glm::vec3 &f0 = gloss.reflectance;
+            properties_.insert(properties_.end(), {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge,
+                                                   gloss.alpha[0], gloss.alpha[1]});
         }
     }
     rtcCommitGeometry(geometry);
@@ -58,7 +71,8 @@ Surfaces::Surfaces(std::span<const Mesh> meshes) {
 }
 
 SurfaceView Surfaces::view() const {
-    return {scene_.get(), corner_normals_.data(), material_.data(), albedo_.data()};
+    return {scene_.get(), corner_normals_.data(), material_.data(), properties_.data(),
+            corner_tangents_.empty() ? nullptr : corner_tangents_.data()};
 }
 
 } // namespace sfumato

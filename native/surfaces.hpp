@@ -29,7 +29,8 @@ private:
     std::unique_ptr<std::remove_pointer_t<RTCScene>, Release> scene_; // null where there are no triangles
     std::vector<float> corner_normals_;
     std::vector<std::int32_t> material_;
-    std::vector<float> albedo_;
+    std::vector<float> properties_; // of materials
+    std::vector<float> corner_tangents_;
 };
 
 } // namespace sfumato
