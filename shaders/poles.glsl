@@ -38,14 +38,9 @@ float pole_along(Arc arc, Complex b, Complex w)
   float c2 = max(1.0f - arc.s * arc.s, 0.0f);
   Complex sigma = complex_sqrt(complex(arc.s * arc.s + b.re * c2, b.im * c2));
   Complex p = complex(arc.across + b.re * arc.a0 * arc.a1, b.im * arc.a0 * arc.a1);
-  Complex q = complex_scale(arc.area, sigma);
-  // 2 Re A is the angle, and -2 Im A the logarithm of the magnitude, of (P + i Q)/(P - i Q).
-  float p2 = complex_norm(p);
-  float q2 = complex_norm(q);
-  float up = 2.0f * (p.re * q.re + p.im * q.im);
-  float turned = safe_angle(up, p2 - q2) + pick(up < 0.0f, 2.0f * PI_EXACT, 0.0f);
-  float stretched = atanh(2.0f * (p.im * q.re - p.re * q.im) / max(p2 + q2, 1e-37f));
-  Complex wa = complex_mul(w, complex(0.5f * turned, -0.5f * stretched));
+  Complex angle = complex_atan(complex_scale(arc.area, sigma), p);
+  angle.re = angle.re + pick(angle.re < 0.0f, PI_EXACT, 0.0f);
+  Complex wa = complex_mul(w, angle);
   return arc.s * (wa.re * sigma.re + wa.im * sigma.im) / max(complex_norm(sigma), 1e-30f);
 }
 
