@@ -48,6 +48,17 @@ def point_light_habits() -> dict[str, bool]:
     return {"facing_disk": old, "spot_cosine": old}
 
 
+def reflectance(principled: Any) -> float:
+    """Of light from straight on, of the dielectric layer of a Principled BSDF."""
+    if "Specular IOR Level" in principled.inputs:  # 4.0: a factor of what the index of refraction gives
+        index = float(principled.inputs["IOR"].default_value)
+        return (
+            min(2.0 * float(principled.inputs["Specular IOR Level"].default_value), 2.0)
+            * ((index - 1.0) / (index + 1.0)) ** 2
+        )
+    return 0.08 * float(principled.inputs["Specular"].default_value)
+
+
 def uses_nodes(owner: Any) -> bool:
     """Whether a material or world is made of nodes: always so since 5.0."""
     return bpy.app.version >= (5, 0, 0) or bool(owner.use_nodes)

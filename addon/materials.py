@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,9 @@ from numpy.typing import NDArray
 
 from . import compat
 
-COLOUR_SOCKETS = {"BSDF_DIFFUSE": "Color", "BSDF_PRINCIPLED": "Base Color"}
-# What a Principled BSDF may be besides diffuse; two of these are one, by the names of before and after 4.0.
-BEYOND_DIFFUSE = ("Metallic", "Transmission", "Transmission Weight")
+# What a Principled BSDF may be besides what is shown; sockets have other names from Blender 4.0 on.
+BEYOND = ("Transmission", "Transmission Weight", "Subsurface", "Subsurface Weight", "Sheen", "Sheen Weight", "Clearcoat",
+          "Coat Weight")  # fmt: skip
 PLAIN_GREY = (0.8, 0.8, 0.8)
 
 
@@ -43,36 +44,80 @@ def value_of(node: Any, name: str, owner: str, notices: list[str]) -> Any:
     return value if isinstance(value, (int, float, str)) else np.array(value[:3], dtype=np.float64)
 
 
-def surface_colour(material: Any, owner: str, notices: list[str]) -> NDArray[np.float64] | None:
-    """The diffuse colour of a material; None where it has no surface at all, as a volume's."""
+@dataclass
+class Surface:
+    """How a material reflects: diffusely, and as native Gloss."""
+
+    albedo: NDArray[np.float64]
+    reflectance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    edge: float = 0.0
+    alpha: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def gloss(self) -> tuple[float, ...]:
+        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha)
+
+
+def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
+    """GGX's slopes as Cycles takes them; below a roughness of 0.1 we show what 0.1 looks like."""
+    alpha = max(min(roughness, 1.0), 0.1) ** 2
+    aspect = float(np.sqrt(1.0 - 0.9 * np.clip(anisotropy, 0.0, 1.0)))
+    return min(alpha / aspect, 1.0), alpha * aspect
+
+
+def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
+    """Base colour, metallic, roughness, specular and anisotropy of a Principled BSDF."""
+    colour = np.clip(value_of(shader, "Base Color", owner, notices), 0.0, 1.0)
+    metallic = float(np.clip(value_of(shader, "Metallic", owner, notices), 0.0, 1.0))
+    plain = compat.reflectance(shader)
+    if shader.inputs["Roughness"].is_linked or shader.inputs["Anisotropic"].is_linked:
+        notices.append(f"{owner}: links into 'Roughness' and 'Anisotropic' are not followed yet")
+    for name in BEYOND:
+        if name in shader.inputs and value_of(shader, name, owner, []) > 0.0:
+            notices.append(f"{owner}: '{name}' is not shown yet")
+    reflectance = (1.0 - metallic) * plain + metallic * colour
+    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0)
+    if reflectance.max() <= 0.0:
+        return Surface(surface.albedo)
+    anisotropy = value_of(shader, "Anisotropic", owner, [])
+    if anisotropy > 0.0 and value_of(shader, "Anisotropic Rotation", owner, []) > 0.0:
+        notices.append(f"{owner}: 'Anisotropic Rotation' is not followed yet")
+    surface.alpha = alphas(value_of(shader, "Roughness", owner, []), anisotropy)
+    return surface
+
+
+def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
+    """What a material's surface reflects; None where it has no surface at all, as a volume's."""
     if material is None:
-        return np.array(PLAIN_GREY)
+        return Surface(np.array(PLAIN_GREY))
     output = active_output(material)
     if output is None:
-        return np.array(material.diffuse_color[:3])
+        return Surface(np.array(material.diffuse_color[:3]))
     shader = linked_node(output, "Surface")
     if shader is None:
-        return None if output.inputs["Volume"].is_linked else np.zeros(3)
-    name = COLOUR_SOCKETS.get(shader.type)
-    if name is None:
-        notices.append(
-            f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour"
-        )
-        return np.array(material.diffuse_color[:3])
-    for other in BEYOND_DIFFUSE:
-        if other in shader.inputs and value_of(shader, other, owner, []) > 0.0:
-            notices.append(f"{owner}: '{other}' of {material.name} is not shown yet; it is drawn as diffuse")
-    colour: NDArray[np.float64] = value_of(shader, name, owner, notices)
-    return colour
+        return None if output.inputs["Volume"].is_linked else Surface(np.zeros(3))
+    if shader.type == "BSDF_PRINCIPLED":
+        return principled(shader, owner, notices)
+    if shader.type == "BSDF_DIFFUSE":
+        return Surface(value_of(shader, "Color", owner, notices))
+    if shader.type in {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"}:
+        if shader.distribution not in {"GGX", "MULTI_GGX"}:
+            notices.append(f"{owner}: its gloss is {shader.distribution.lower()}; it is shown as GGX")
+        roughness = value_of(shader, "Roughness", owner, notices)
+        anisotropy = shader.inputs.get("Anisotropy")
+        twist = 0.0 if anisotropy is None else float(anisotropy.default_value)
+        return Surface(np.zeros(3), value_of(shader, "Color", owner, notices), 0.0, alphas(roughness, twist))
+    notices.append(f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour")
+    return Surface(np.array(material.diffuse_color[:3]))
 
 
-def albedos(thing: Any, notices: list[str]) -> NDArray[np.float64] | None:
-    """One diffuse colour for each material slot, (slots, 3); None for an object without any surface."""
+def surfaces(thing: Any, notices: list[str]) -> list[Surface] | None:
+    """One for each material slot; None for an object without any surface."""
     slots = [slot.material for slot in thing.material_slots] or [None]
-    colours = [surface_colour(material, thing.name, notices) for material in slots]
-    if all(colour is None for colour in colours):
+    found = [surface_of(material, thing.name, notices) for material in slots]
+    if all(surface is None for surface in found):
         return None
-    return np.clip([np.zeros(3) if colour is None else colour for colour in colours], 0.0, 1.0)
+    return [surface or Surface(np.zeros(3)) for surface in found]
 
 
 def cross_sections(thing: Any, notices: list[str]) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:

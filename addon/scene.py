@@ -68,8 +68,8 @@ def frame_of(depsgraph: Any, source: str) -> Any:
 
 def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> None:
     """The triangles of an object, in world space."""
-    albedo = materials.albedos(thing, out.notices)
-    if albedo is None:
+    surfaces = materials.surfaces(thing, out.notices)
+    if surfaces is None:
         return
     mesh = thing.to_mesh()
     if mesh is None:
@@ -94,8 +94,25 @@ def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> None:
     length = np.linalg.norm(turned, axis=-1, keepdims=True)
     turned = np.where(length > 0.0, turned / np.maximum(length, 1e-30), (0.0, 0.0, 1.0))
     # A face may name a slot that the object lacks: Blender then shows the last one.
-    slots = np.clip(material, 0, len(albedo) - 1)
-    out.scene.add_mesh(world, triangles.reshape(-1, 3), turned, slots, albedo)
+    slots = np.clip(material, 0, len(surfaces) - 1)
+    albedo = np.clip([surface.albedo for surface in surfaces], 0.0, 1.0)
+    corners = triangles.reshape(-1, 3)
+    gloss, tangents = None, None
+    if any(surface.alpha[0] > 0.0 for surface in surfaces):
+        gloss = [surface.gloss for surface in surfaces]
+    if any(surface.alpha[0] != surface.alpha[1] for surface in surfaces):
+        tangents = (radial_tangents(vertices.reshape(-1, 3)) @ matrix[:3, :3].T)[corners]
+    out.scene.add_mesh(world, corners, turned, slots, albedo, gloss, tangents)
+
+
+def radial_tangents(vertices: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Cycles' tangent where nothing else is said: around the object's Z axis, through the middle of its bounding box."""
+    middle = 0.5 * (vertices.min(0) + vertices.max(0))
+    size = np.maximum(vertices.max(0) - vertices.min(0), 1e-12)
+    place = (vertices - middle) / size
+    tangents: NDArray[np.float64] = np.zeros((len(place), 3))
+    tangents[:, 0], tangents[:, 1] = -place[:, 1], place[:, 0]
+    return tangents
 
 
 def add_media(out: Export, media: list[tuple[str, smoke.Medium]]) -> None:

@@ -15,7 +15,8 @@ namespace {
 using namespace arguments;
 
 void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
-              const Doubles &material, const Floats &albedo) {
+              const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
+              const std::optional<Floats> &corner_tangents) {
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
     const py::ssize_t count = triangles.shape(0);
@@ -34,6 +35,21 @@ void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, co
     };
     vectors(vertices, mesh.vertices);
     vectors(albedo, mesh.albedo);
+    if (gloss) {
+        require_shape(*gloss, {albedo.shape(0), 6}, "gloss");
+        require_range(*gloss, 0.0F, 1.0F, "gloss");
+        for (const float *row = gloss->data(); row != gloss->data() + gloss->size(); row += 6) {
+            mesh.gloss.push_back({{row[0], row[1], row[2]}, row[3], {row[4], row[5]}});
+        }
+    }
+    if (corner_tangents) {
+        require_shape(*corner_tangents, {count, 3, 3}, "corner_tangents");
+        require_finite(*corner_tangents, "corner_tangents");
+        const auto *tangents = reinterpret_cast<const glm::vec3 *>(corner_tangents->data());
+        for (py::ssize_t i = 0; i < 3 * count; i += 3) {
+            mesh.corner_tangents.push_back({tangents[i], tangents[i + 1], tangents[i + 2]});
+        }
+    }
     const auto *normals = reinterpret_cast<const glm::vec3 *>(corner_normals.data());
     for (std::size_t first = 0; first < corners.size(); first += 3) {
         mesh.triangles.emplace_back(corners[first], corners[first + 1], corners[first + 2]);
@@ -172,11 +188,14 @@ void bind_scene(py::module_ &m) {
 )")
         .def(py::init<>())
         .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::arg("corner_normals"),
-             py::arg("material"), py::arg("albedo"),
-             R"(Add triangles that reflect diffusely.
+             py::arg("material"), py::arg("albedo"), py::arg("gloss") = py::none(),
+             py::arg("corner_tangents") = py::none(),
+             R"(Add triangles that reflect diffusely, and with gloss.
 
 vertices (n, 3), metres in world space; triangles (m, 3), indices into vertices; corner_normals (m, 3, 3), unit
-length; material (m,), indices into albedo; albedo (k, 3) in [0, 1].
+length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 6) in [0, 1]: the reflectance of light
+from straight on (3), 1 where all light is reflected at grazing angles (Schlick 1994) and 0 where it is no more than
+straight on, and GGX's alpha along the tangent and across it, both 0 for no gloss; corner_tangents (m, 3, 3).
 Raises ValueError for wrong shapes, indices out of range and values that are not finite.
 
 >>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])
