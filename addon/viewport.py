@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Smoke in the 3D viewport: the Rendered view of our engine, and smoke over Blender's own Solid and Material views.
 
-The only file that imports `gpu`, and only inside functions: there may be no GPU at all (`blender -b`).
+The files viewport*.py are the only ones that import `gpu`, and only inside functions: there may be no GPU at all
+(`blender -b`).
 
 Both views are made the same way. One pass marches the smoke into a picture of its own, which is kept until the camera,
 the size or the frame changes; handing it to Blender is then a copy. Blender's viewport is scene-linear until its very
@@ -16,7 +17,6 @@ import contextlib
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import bpy
@@ -24,6 +24,11 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from . import core, log, props, scene
+from .viewport_gpu import BRICK, ShaderError, screen_triangle
+from .viewport_gpu import compile_shader as _compile
+from .viewport_gpu import plain_state as _plain_state
+from .viewport_gpu import shader_text as _shader_text
+from .viewport_gpu import texture as _texture
 
 SHADING_TYPES = ("SOLID", "MATERIAL")  # where the overlay draws
 
@@ -33,38 +38,10 @@ SHADOW_STRENGTH = 0.8
 # The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
 OPAQUE_DEPTH = 12.0
 
-BRICK = 4  # cells along the edge of a brick of LitMedium.clearance
-
 PICTURES_KEPT = 8  # a quad view has four
 
 
 # Shaders ------------------------------------------------------------------------------------------------------------
-
-
-class ShaderError(RuntimeError):
-    """A shader did not compile; Blender has printed the compiler's log on the standard error."""
-
-
-def _shader_text(name: str) -> str:
-    here = Path(__file__).resolve().parent
-    folder = here / "shaders" if (here / "shaders").is_dir() else here.parent / "shaders"
-    return (folder / name).read_text(encoding="utf-8")
-
-
-def _compile(name: str, declare: Callable[[Any], None], fragment: list[str]) -> Any:
-    """Compile the screen triangle with a fragment shader put together from the files `fragment`; the last has main()."""
-    import gpu
-
-    info = gpu.types.GPUShaderCreateInfo()
-    info.vertex_in(0, "VEC2", "corner")
-    declare(info)
-    info.vertex_source(_shader_text("viewport/screen_vertex.glsl"))
-    prelude = "#define pick(condition, a, b) ((condition) ? (a) : (b))\n"
-    info.fragment_source(prelude + "".join(_shader_text(file) for file in fragment))
-    try:
-        return gpu.shader.create_from_info(info)
-    except Exception as error:  # gpu raises the bare class
-        raise ShaderError(f"shaders/{fragment[-1]} ({name}): {error}") from error
 
 
 def _smoke_shader(colours: int, overlay: bool) -> Any:
@@ -110,14 +87,6 @@ def _background_shader() -> Any:
 
 
 # Textures -----------------------------------------------------------------------------------------------------------
-
-
-def _texture(size: tuple[int, ...], channels: str, data: np.ndarray, layers: int = 0) -> Any:
-    import gpu
-
-    flat = np.ascontiguousarray(data, dtype=np.float32).ravel()
-    buffer = gpu.types.Buffer("FLOAT", flat.size, flat)
-    return gpu.types.GPUTexture(size, layers=layers, format=f"{channels}32F", data=buffer)
 
 
 def light_map_layers(light_map: np.ndarray) -> np.ndarray:
@@ -196,23 +165,6 @@ class Picture:
     buffer: Any
 
 
-@contextlib.contextmanager
-def _plain_state() -> Iterator[None]:
-    """No depth test, no blending; whatever was set comes back."""
-    import gpu
-
-    blend, depth_test, depth_mask = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
-    gpu.state.blend_set("NONE")
-    gpu.state.depth_test_set("NONE")
-    gpu.state.depth_mask_set(False)
-    try:
-        yield
-    finally:
-        gpu.state.blend_set(blend)
-        gpu.state.depth_test_set(depth_test)
-        gpu.state.depth_mask_set(depth_mask)
-
-
 class Painter:
     """Owns every GPU object of the add-on. Dropping it frees them."""
 
@@ -235,10 +187,8 @@ class Painter:
         return self._shaders[key]
 
     def _draw(self, shader: Any) -> None:
-        from gpu_extras.batch import batch_for_shader
-
         if self._triangle is None:
-            self._triangle = batch_for_shader(shader, "TRIS", {"corner": [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)]})
+            self._triangle = screen_triangle(shader)
         self._triangle.draw(shader)
 
     def picture(self, view: Any, frame: Any, look: Look) -> Picture:
