@@ -29,6 +29,9 @@ MOST_COEFFICIENTS = 63  # as on the CPU
 # it stands between them. (At one texel it is within 20 %.)
 LEAST_RADIUS = 1.5
 
+# Along the light a puff is a slab with the variance of its own density, radius^2 / 7; half its width, in radii.
+SLAB = math.sqrt(3.0 / 7.0)
+
 
 class LightMaps:
     """Builds light maps. Owns its shaders; dropping it frees them, but not the maps that it gave away."""
@@ -51,8 +54,8 @@ class LightMaps:
 
         points (n, 3), metres; radius () or (n,), metres; alpha () or (n,) in [0, 1], the opacity through a particle's
         middle, where 1 is taken to be 1 - 2^-20; world_to_map (4, 4), whose first three rows are perpendicular, as in
-        sfumato.LightMap; coefficients 1, 3, ..., 63. A particle is a puff whose density falls off as 1 - (r / radius)^2
-        (shaders/viewport/splat_fragment.glsl), or without `thick` as flat as the paper's. What is outside the map is
+        sfumato.LightMap; coefficients 1, 3, ..., 63. A particle is a puff whose density falls off as 1 - (r / radius)^2,
+        taken for a slab along the light (shaders/viewport/splat_*.glsl), or without `thick` as flat as the paper's. What is outside the map is
         left out. The map holds optical depth. Raises ValueError for anything unusable.
         """
         count = _coefficients(coefficients)
@@ -64,24 +67,23 @@ class LightMaps:
             raise ValueError("world_to_map is not a sun's: its first three rows must be perpendicular")
         batch = self._particles(points, radius, alpha, to_map, metre, thick)
 
-        def declare(info: Any) -> None:
+        def declare(info: Any, layers: int) -> None:
             import gpu
 
             info.define("LEAST_RADIUS", f"{LEAST_RADIUS}f")
-            info.define("SLAB", f"{math.sqrt(0.6):.9f}f")
-            if thick:
-                info.define("THICK", "1")
             info.vertex_in(0, "VEC4", "puff")
             info.vertex_in(1, "VEC3", "shape")
             info.push_constant("VEC3", "metre")
             info.push_constant("VEC2", "texels")
+            info.push_constant("FLOAT", "slab")
             between = gpu.types.GPUStageInterfaceInfo("splat")
             between.flat("VEC4", "footprint")
-            between.flat("VEC3", "column")
+            for layer in range(layers):
+                between.flat("VEC4", f"weight{layer}")
             info.vertex_out(between)
 
-        fragment = ["opacity.glsl", "viewport/light_map_layers.glsl", "viewport/splat_fragment.glsl"]
-        vertex = ["opacity.glsl", "viewport/splat_vertex.glsl"]
+        fragment = ["viewport/splat_fragment.glsl"]
+        vertex = ["opacity.glsl", "viewport/light_map_layers.glsl", "viewport/splat_vertex.glsl"]
 
         def draw(shader: Any, buffer: Any) -> None:
             import gpu
@@ -92,10 +94,11 @@ class LightMaps:
             gpu.state.blend_set("ADDITIVE_PREMULT")  # adds all four; ADDITIVE weighs three of them by the fourth
             shader.uniform_float("metre", metre)
             shader.uniform_float("texels", (width, height))
+            shader.uniform_float("slab", SLAB if thick else 0.0)
             batch.draw(shader)
 
         light_map = _new_map(width, height, count)
-        self._in_passes(light_map, count, f"splat{', thick' if thick else ''}", declare, fragment, vertex, draw)
+        self._in_passes(light_map, count, "splat", declare, fragment, vertex, draw)
         return light_map
 
     def march(
@@ -125,7 +128,7 @@ class LightMaps:
         rows = map_to_grid @ np.diag((1.0 / width, 1.0 / height, 1.0 / steps, 1.0))
         path = float(np.linalg.norm(np.linalg.inv(to_map)[:3, 2]))
 
-        def declare(info: Any) -> None:
+        def declare(info: Any, _layers: int) -> None:
             info.define("BRICK", f"{BRICK:.1f}f")
             for name in ("grid_x", "grid_y", "grid_z"):
                 info.push_constant("VEC4", name)
@@ -192,7 +195,7 @@ class LightMaps:
         light_map: Any,
         count: int,
         kind: str,
-        declare: Callable[[Any], None],
+        declare: Callable[[Any, int], None],
         fragment: list[str],
         vertex: list[str] | None,
         draw: Callable[[Any, Any], None],
@@ -206,9 +209,11 @@ class LightMaps:
                     info.define("FIRST", str(2 * some[0]))
                     info.define("LAYERS", str(len(some)))
                     info.define("HARMONICS", str(count // 2))
+                    each = (f"f({slot}, layer{slot}, weight{slot})" for slot in range(len(some)))
+                    info.define("EACH_LAYER(f)", " ".join(each))
                     for slot in range(len(some)):
                         info.fragment_out(slot, "VEC4", f"layer{slot}")
-                    declare(info)
+                    declare(info, len(some))
 
                 name = f"{kind}, {count} coefficients, layers from {some[0]}"
                 shader = self._shader(name, lambda: compile_shader(name, declare_all, fragment, vertex))
@@ -230,7 +235,7 @@ class LightMaps:
         _each_within(radii, 1e-30, 1e30, "radius")
         _each_within(alphas, 0.0, 1.0, "alpha")
         centres = places @ to_map[:3, :3].T + to_map[:3, 3]
-        reach = radii * metre[2] if thick else 0.0
+        reach = SLAB * radii * metre[2] if thick else 0.0
         kept = (centres[:, 2] + reach >= 0.0) & (centres[:, 2] - reach <= 1.0)
         corners = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)], np.float32)
         count = int(np.count_nonzero(kept))

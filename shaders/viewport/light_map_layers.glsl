@@ -3,38 +3,14 @@
 // give a_0 and b_0 = 0, so that no harmonic is a special case.
 //
 // A pass writes as many layers as there are colour targets; viewport_light_map.py defines
-//   FIRST      its first harmonic, an even number
-//   LAYERS     its number of layers
-//   HARMONICS  the map's last harmonic: beyond it a layer holds zeros
+//   FIRST          its first harmonic, an even number
+//   LAYERS         its number of layers
+//   HARMONICS      the map's last harmonic: beyond it a layer holds zeros
+//   EACH_LAYER(f)  f(0, layer0, weight0) f(1, layer1, weight1) ..., for the layers of the pass
 
-Harmonic first_of_pass(float z)
+// slab_factor() of a harmonic of the pass; zero for one that the map has not.
+float factor_of(int number, float width)
 {
-#if FIRST == 0
-  Harmonic h;
-  h.cosine = 1.0f;
-  h.sine = 0.0f;
-  return h;
-#else
-  return harmonic(float(FIRST), z);
-#endif
-}
-
-void write_layers(vec4 layers[LAYERS])
-{
-  layer0 = layers[0];
-#if LAYERS > 1
-  layer1 = layers[1];
-#endif
-#if LAYERS > 2
-  layer2 = layers[2];
-#endif
-#if LAYERS > 3
-  layer3 = layers[3];
-#endif
-#if LAYERS > 4
-  layer4 = layers[4];
-#endif
-#if LAYERS > 5
-  layer5 = layers[5];
-#endif
+  float k = float(FIRST + number);
+  return pick(k > float(HARMONICS), 0.0f, pick(k > 0.0f, slab_factor(k, width), 1.0f));
 }

@@ -34,7 +34,7 @@ void main()
     float here = textureLod(density, place / size, 0.0f).x;
     float z = (s + 0.5f) * width;
     Harmonic first = harmonic(1.0f, z);
-    Harmonic h = first_of_pass(z);
+    Harmonic h = harmonic(float(FIRST), z);
     for (int j = 0; j < LAYERS; ++j) {
       Harmonic next = next_harmonic(h, first);
       sums[j] += here * vec4(h.cosine, h.sine, next.cosine, next.sine);
@@ -44,12 +44,8 @@ void main()
   }
 
   // Slabs of one width have the same factors: they wait until here.
-  vec4 layers[LAYERS];
-  for (int j = 0; j < LAYERS; ++j) {
-    float k = float(FIRST + 2 * j);
-    float thickness = pick(k > 0.0f, slab_factor(k, width), 1.0f);
-    float next = pick(k + 1.0f > float(HARMONICS), 0.0f, slab_factor(k + 1.0f, width));
-    layers[j] = 2.0f * length_of_slice * sums[j] * vec4(thickness, thickness, next, next);
-  }
-  write_layers(layers);
+#define WRITE(layer, target, weight) \
+  target = 2.0f * length_of_slice * sums[layer] * \
+           vec4(vec2(factor_of(2 * layer, width)), vec2(factor_of(2 * layer + 1, width)));
+  EACH_LAYER(WRITE)
 }
