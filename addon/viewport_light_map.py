@@ -25,7 +25,7 @@ FORMAT = "RGBA32F"
 TARGETS = 6  # colour targets of one framebuffer in Blender 3.4
 MOST_COEFFICIENTS = 63  # as on the CPU
 
-# A puff is widened to this many texels: then the sum over texels of what it adds is within 3 % of its integral wherever
+# A puff is widened to this many texels: then the sum over texels of what it adds is within 4 % of its integral wherever
 # it stands between them. (At one texel it is within 20 %.)
 LEAST_RADIUS = 1.5
 
