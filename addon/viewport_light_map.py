@@ -2,7 +2,8 @@
 """Fourier opacity maps (Jansen and Bavoil 2010) built on the GPU, from particles or from a density in a 3D texture.
 
 A map is what light_map_layers of viewport.py uploads: a 2D array texture of four floats a texel, whose layer j holds
-a_2j, b_2j, a_2j+1, b_2j+1, with b_0 = 0. Blender 3.4 has no compute shaders, so maps are drawn, several layers at a time.
+a_2j, b_2j, a_2j+1, b_2j+1, with b_0 = 0. Blender 3.4 has no compute shaders, so maps are drawn, several layers at a time:
+into pictures, which are then copied, because from Blender 4.3 on a framebuffer writes to only one layer of a texture.
 
 The paper blends half floats. Half floats stall: additions that are small beside the sum are lost, and 20,000 layers of
 opacity 2e-4 keep a transmittance of .6 instead of .02. So maps have single floats.
@@ -200,27 +201,44 @@ class LightMaps:
         vertex: list[str] | None,
         draw: Callable[[Any, Any], None],
     ) -> None:
-        """Bind a shader and the framebuffer that it writes to, and draw, for as many layers at a time as it can have."""
+        """Draw as many layers at a time as there are targets. `draw` finds its shader and its framebuffer bound."""
+        import gpu
+
         layers = _layers(count)
-        with plain_state():
-            for some in np.array_split(np.arange(layers), math.ceil(layers / TARGETS)):
+        passes = np.array_split(np.arange(layers), math.ceil(layers / TARGETS))
+        size = light_map.width, light_map.height
+        targets = [gpu.types.GPUTexture(size, format=FORMAT) for _ in passes[0]]
+        for some in passes:
 
-                def declare_all(info: Any, some: NDArray[np.int64] = some) -> None:
-                    info.define("FIRST", str(2 * some[0]))
-                    info.define("LAYERS", str(len(some)))
-                    info.define("HARMONICS", str(count // 2))
-                    each = (f"f({slot}, layer{slot}, weight{slot})" for slot in range(len(some)))
-                    info.define("EACH_LAYER(f)", " ".join(each))
-                    for slot in range(len(some)):
-                        info.fragment_out(slot, "VEC4", f"layer{slot}")
-                    declare(info, len(some))
+            def declare_all(info: Any, some: NDArray[np.int64] = some) -> None:
+                info.define("FIRST", str(2 * some[0]))
+                info.define("LAYERS", str(len(some)))
+                info.define("HARMONICS", str(count // 2))
+                each = (f"f({slot}, layer{slot}, weight{slot})" for slot in range(len(some)))
+                info.define("EACH_LAYER(f)", " ".join(each))
+                for slot in range(len(some)):
+                    info.fragment_out(slot, "VEC4", f"layer{slot}")
+                declare(info, len(some))
 
-                name = f"{kind}, {count} coefficients, layers from {some[0]}"
-                shader = self._shader(name, lambda: compile_shader(name, declare_all, fragment, vertex))
-                buffer = _framebuffer(light_map, some)
-                with buffer.bind():
-                    shader.bind()
-                    draw(shader, buffer)
+            name = f"{kind}, {count} coefficients, layers from {some[0]}"
+            shader = self._shader(name, lambda: compile_shader(name, declare_all, fragment, vertex))
+            buffer = gpu.types.GPUFrameBuffer(color_slots=targets[: len(some)])
+            with plain_state(), buffer.bind():
+                shader.bind()
+                draw(shader, buffer)
+            for target, layer in zip(targets, some):
+                self._copy(target, _framebuffer(light_map, int(layer)))
+
+    def _copy(self, picture: Any, buffer: Any) -> None:
+        def declare(info: Any) -> None:
+            info.sampler(0, "FLOAT_2D", "picture")
+            info.fragment_out(0, "VEC4", "colour")
+
+        shader = self._shader("copy", lambda: compile_shader("copy", declare, ["viewport/copy_fragment.glsl"]))
+        with plain_state(), buffer.bind():
+            shader.bind()
+            shader.uniform_sampler("picture", picture)
+            self._draw(shader)
 
     def _particles(
         self, points: ArrayLike, radius: ArrayLike, alpha: ArrayLike, to_map: Doubles, metre: Doubles, thick: bool
@@ -268,14 +286,15 @@ def _new_map(width: int, height: int, coefficients: int) -> Any:
     return gpu.types.GPUTexture((width, height), layers=_layers(coefficients), format=FORMAT)
 
 
-def _framebuffer(light_map: Any, layers: NDArray[np.int64]) -> Any:
+def _framebuffer(light_map: Any, layer: int) -> Any:
+    """Writes to one layer."""
     import gpu
 
     try:
-        return gpu.types.GPUFrameBuffer(color_slots=[{"texture": light_map, "layer": int(layer)} for layer in layers])
+        return gpu.types.GPUFrameBuffer(color_slots=[{"texture": light_map, "layer": layer}])
     except TypeError:
         # Built with Python 3.13, Blender 4.3 takes each of these names for the other.
-        return gpu.types.GPUFrameBuffer(color_slots=[{"layer": light_map, "texture": int(layer)} for layer in layers])
+        return gpu.types.GPUFrameBuffer(color_slots=[{"layer": light_map, "texture": layer}])
 
 
 # Arguments ----------------------------------------------------------------------------------------------------------

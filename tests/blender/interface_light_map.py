@@ -293,7 +293,7 @@ def test_maps_are_freed_with_the_last_reference() -> None:
     maps.read(kept[-1], 1)
     held = resident_bytes() - before
     print(f"  8 maps made and dropped: {grown / one:+.2f} maps; 3 kept: {held / one:+.2f}")
-    assert grown < 2 * one
+    assert grown < 4 * one
 
 
 harness.main()
