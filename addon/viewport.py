@@ -24,7 +24,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from . import core, log, props, scene
-from .viewport_gpu import BRICK, ShaderError, screen_triangle
+from .viewport_gpu import BRICK, Shaders
 from .viewport_gpu import compile_shader as _compile
 from .viewport_gpu import plain_state as _plain_state
 from .viewport_gpu import shader_text as _shader_text
@@ -169,27 +169,9 @@ class Painter:
     """Owns every GPU object of the add-on. Dropping it frees them."""
 
     def __init__(self) -> None:
-        self._shaders: dict[Any, Any] = {}
-        self._failures: dict[Any, str] = {}
+        self._shaders = Shaders()
         self._smoke: dict[bool, _Smoke] = {}  # the overlay's, and the Rendered view's: their frames differ
         self._pictures: OrderedDict[Any, Picture] = OrderedDict()
-        self._triangle: Any = None
-
-    def _shader(self, key: Any, make: Callable[[], Any]) -> Any:
-        if key in self._failures:
-            raise ShaderError(self._failures[key])
-        if key not in self._shaders:
-            try:
-                self._shaders[key] = make()
-            except ShaderError as error:
-                self._failures[key] = str(error)  # so that the compiler's log is printed once
-                raise
-        return self._shaders[key]
-
-    def _draw(self, shader: Any) -> None:
-        if self._triangle is None:
-            self._triangle = screen_triangle(shader)
-        self._triangle.draw(shader)
 
     def picture(self, view: Any, frame: Any, look: Look) -> Picture:
         """The smoke of `frame`. `view` is any name: the picture is kept under it until something else is asked of it."""
@@ -209,7 +191,7 @@ class Painter:
             self._smoke.pop(look.overlay, None)  # free first: two large volumes may not fit
             smoke = self._smoke[look.overlay] = _Smoke(frame)
         colours = smoke.colours
-        shader = self._shader((colours, look.overlay), lambda: _smoke_shader(colours, look.overlay))
+        shader = self._shaders.get((colours, look.overlay), lambda: _smoke_shader(colours, look.overlay))
 
         camera = core.module().Camera(np.reshape(look.matrix, (4, 4)))
         surfaces = _texture(look.size, "RGBA", frame.surfaces(camera, *look.size, lit=not look.overlay))
@@ -223,27 +205,27 @@ class Painter:
             shader.uniform_sampler("lit_volume", smoke.lit_volume)
             shader.uniform_sampler("clearance", smoke.clearance)
             shader.uniform_sampler("light_map", smoke.light_map)
-            self._draw(shader)
+            self._shaders.draw_screen(shader)
         return Picture(frame, look, targets[0], targets[1] if look.overlay else None, buffer)
 
     def composite(self, texture: Any, blend: str, gain: float, least_alpha: float) -> None:
         """Draw a texture of the target's size over what the bound target holds."""
         import gpu
 
-        shader = self._shader("composite", _composite_shader)
+        shader = self._shaders.get("composite", _composite_shader)
         with _plain_state():
             gpu.state.blend_set(blend)
             shader.bind()
             shader.uniform_sampler("picture", texture)
             shader.uniform_float("gain", gain)
             shader.uniform_float("least_alpha", least_alpha)
-            self._draw(shader)
+            self._shaders.draw_screen(shader)
 
     def dim_background(self, picture: Picture, gain: float, background: tuple[float, float, float]) -> None:
         """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""
         import gpu
 
-        shader = self._shader("background", _background_shader)
+        shader = self._shaders.get("background", _background_shader)
         with _plain_state():
             gpu.state.blend_set("MULTIPLY")
             shader.bind()
@@ -251,7 +233,7 @@ class Painter:
             shader.uniform_sampler("transmittance", picture.transmittance)
             shader.uniform_float("gain", gain)
             shader.uniform_float("background", background)
-            self._draw(shader)
+            self._shaders.draw_screen(shader)
 
 
 _painter: Painter | None = None

@@ -48,11 +48,33 @@ def compile_shader(
         raise ShaderError(f"shaders/{fragment[-1]} ({name}): {error}") from error
 
 
-def screen_triangle(shader: Any) -> Any:
-    """One triangle that covers the target; any shader compiled without `vertex` draws it."""
-    from gpu_extras.batch import batch_for_shader
+class Shaders:
+    """Compiled when they are first asked for. Dropping this frees them."""
 
-    return batch_for_shader(shader, "TRIS", {"corner": [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)]})
+    def __init__(self) -> None:
+        self._compiled: dict[Any, Any] = {}
+        self._failures: dict[Any, str] = {}
+        self._triangle: Any = None
+
+    def get(self, key: Any, make: Callable[[], Any]) -> Any:
+        """The shader under any name; `make` compiles it."""
+        if key in self._failures:
+            raise ShaderError(self._failures[key])
+        if key not in self._compiled:
+            try:
+                self._compiled[key] = make()
+            except ShaderError as error:
+                self._failures[key] = str(error)  # so that the compiler's log is printed once
+                raise
+        return self._compiled[key]
+
+    def draw_screen(self, shader: Any) -> None:
+        """Draw one triangle that covers the target."""
+        from gpu_extras.batch import batch_for_shader
+
+        if self._triangle is None:
+            self._triangle = batch_for_shader(shader, "TRIS", {"corner": [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)]})
+        self._triangle.draw(shader)
 
 
 def texture(size: tuple[int, ...], channels: str, data: np.ndarray, layers: int = 0) -> Any:

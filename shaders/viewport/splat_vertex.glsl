@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A particle becomes the rectangle of texels that it covers, and the coefficients that one unit of its optical depth
-// adds to each: eqs 5-6 of Jansen and Bavoil (2010). They are the same for all of its texels, so the trigonometry is done
-// here.
+// A particle becomes the rectangle of texels that it covers, and the coefficients that its middle adds: eqs 5-6 of
+// Jansen and Bavoil (2010). Its other texels get a share of the same, so all trigonometry is done here.
 //
 // Attributes: puff, the centre in the space of the light map and the radius in metres; shape, a corner of the rectangle
 // in [-1, 1]^2 and the particle's opacity. `metre` is a metre's share of the map along its axes.
@@ -14,14 +13,15 @@ void main()
   vec2 axes = puff.w * metre.xy * texels;
   // Sampled at the centres of texels, a narrower puff might be met or missed. Widened, it keeps its total.
   vec2 widened = max(axes, LEAST_RADIUS);
-  gl_Position = vec4(2.0f * (puff.xy + shape.xy * widened / texels) - 1.0f, 0.0f, 1.0f);
+  vec2 corner = clamp(puff.xy + shape.xy * widened / texels, 0.0f, 1.0f);
+  gl_Position = vec4(2.0f * corner - 1.0f, 0.0f, 1.0f);
 
   float reach = slab * puff.w * metre.z;
   float near_z = clamp(puff.z - reach, 0.0f, 1.0f);
   float far_z = clamp(puff.z + reach, 0.0f, 1.0f);
   float width = far_z - near_z;
   float z = 0.5f * (near_z + far_z);
-  float tau = optical_depth_of(shape.z) * (axes.x * axes.y) / (widened.x * widened.y);
+  float tau = optical_depth_of(shape.z) * (axes.x / widened.x) * (axes.y / widened.y);
   tau *= pick(reach > 0.0f, width / max(2.0f * reach, 1e-30f), 1.0f);
   footprint = vec4(puff.xy * texels, widened);
 

@@ -4,9 +4,9 @@ sample's plume marched.
 
     xvfb-run -a blender --factory-startup --addons sfumato --python tests/blender/splat_cost.py
 
-The plume of particles and the map are as in Jansen and Bavoil (2010): 16K particles, 512 x 512 texels. Rivals take turns in
-one process, and the shortest of their times counts. The opacity shadow map is the same splat with another vertex
-shader: equal footprints, targets and blending, one slice a channel instead of one coefficient.
+The plume of particles and the map are as in Jansen and Bavoil (2010): 16K particles, 512 x 512 texels. Rivals take
+turns in one process, and the shortest of their times counts. The opacity shadow map is the same splat with another
+vertex shader: equal footprints, targets and blending, one slice a channel instead of one coefficient.
 """
 
 from __future__ import annotations
