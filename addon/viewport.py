@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Smoke in the 3D viewport: the Rendered view of our engine, and smoke over Blender's own Solid and Material views.
 
-The only file that imports `gpu`, and only inside functions: there may be no GPU at all (`blender -b`).
+The files viewport*.py are the only ones that import `gpu`, and only inside functions: there may be no GPU at all
+(`blender -b`).
 
 Both views are made the same way. One pass marches the smoke into a picture of its own, which is kept until the camera,
 the size or the frame changes; handing it to Blender is then a copy. Blender's viewport is scene-linear until its very
@@ -16,7 +17,6 @@ import contextlib
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import bpy
@@ -24,6 +24,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from . import core, log, props, scene
+from .viewport_gpu import BRICK, Shaders, compile_shader, plain_state, shader_text, texture
 
 SHADING_TYPES = ("SOLID", "MATERIAL")  # where the overlay draws
 
@@ -33,48 +34,14 @@ SHADOW_STRENGTH = 0.8
 # The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
 OPAQUE_DEPTH = 12.0
 
-BRICK = 4  # cells along the edge of a brick of LitMedium.clearance
-
-MOST_MEDIA, MOST_LIGHTS = (
-    5,
-    16,
-)  # smoke_uniforms.glsl; each medium takes three of the 16 textures that a shader may have
+# smoke_uniforms.glsl; each medium takes three of the 16 textures that a shader may have.
+MOST_MEDIA, MOST_LIGHTS = 5, 16
+MEDIUM_TEXTURES = ("density", "light", "clearance")
 
 PICTURES_KEPT = 8  # a quad view has four
 
 
 # Shaders ------------------------------------------------------------------------------------------------------------
-
-
-class ShaderError(RuntimeError):
-    """A shader did not compile; Blender has printed the compiler's log on the standard error."""
-
-
-def _shader_text(name: str) -> str:
-    here = Path(__file__).resolve().parent
-    folder = here / "shaders" if (here / "shaders").is_dir() else here.parent / "shaders"
-    return (folder / name).read_text(encoding="utf-8")
-
-
-def _compile(name: str, declare: Callable[[Any], None], fragment: list[str], generated: str = "") -> Any:
-    """Compile the screen triangle with a fragment shader put together from the files `fragment`; the last has main(), and
-    what is generated comes before it."""
-    import gpu
-
-    info = gpu.types.GPUShaderCreateInfo()
-    info.vertex_in(0, "VEC2", "corner")
-    declare(info)
-    info.vertex_source(_shader_text("viewport/screen_vertex.glsl"))
-    prelude = "#define pick(condition, a, b) ((condition) ? (a) : (b))\n"
-    texts = [_shader_text(file) for file in fragment]
-    info.fragment_source(prelude + "".join(texts[:-1]) + generated + texts[-1])
-    try:
-        return gpu.shader.create_from_info(info)
-    except Exception as error:  # gpu raises the bare class
-        raise ShaderError(f"shaders/{fragment[-1]} ({name}): {error}") from error
-
-
-MEDIUM_TEXTURES = ("density", "light", "clearance")
 
 
 def _smoke_shader(colours: int, media: int, overlay: bool) -> Any:
@@ -86,7 +53,7 @@ def _smoke_shader(colours: int, media: int, overlay: bool) -> Any:
             info.define("OVERLAY", "1")
             info.fragment_out(1, "VEC4", "transmittance")
         info.fragment_out(0, "VEC4", "radiance")
-        info.typedef_source(_shader_text("viewport/smoke_uniforms.glsl"))
+        info.typedef_source(shader_text("viewport/smoke_uniforms.glsl"))
         info.uniform_buf(0, "SmokeView", "view")
         info.sampler(0, "FLOAT_2D", "surfaces")
         for medium in range(media):
@@ -94,11 +61,11 @@ def _smoke_shader(colours: int, media: int, overlay: bool) -> Any:
                 info.sampler(1 + len(MEDIUM_TEXTURES) * medium + slot, "FLOAT_3D", f"{name}_{medium}")
 
     files = ["camera.glsl", "opacity.glsl", "phase.glsl", "light.glsl", "medium.glsl"]
-    textures = _shader_text("viewport/smoke_textures.glsl")
+    textures = shader_text("viewport/smoke_textures.glsl")
     accessors = [textures.replace("NUMBER", str(medium)) for medium in range(media)]
     accessors += [_by_medium(*function, media) for function in MEDIUM_FUNCTIONS]
     name = f"{colours} colours, {media} media{', overlay' if overlay else ''}"
-    return _compile(name, declare, files + ["viewport/smoke_fragment.glsl"], "".join(accessors))
+    return compile_shader(name, declare, files + ["viewport/smoke_fragment.glsl"], generated="".join(accessors))
 
 
 # The functions of smoke_textures.glsl.
@@ -122,7 +89,7 @@ def _composite_shader() -> Any:
         info.sampler(0, "FLOAT_2D", "picture")
         info.fragment_out(0, "VEC4", "colour")
 
-    return _compile("composite", declare, ["viewport/composite_fragment.glsl"])
+    return compile_shader("composite", declare, ["viewport/composite_fragment.glsl"])
 
 
 def _background_shader() -> Any:
@@ -133,18 +100,10 @@ def _background_shader() -> Any:
         info.sampler(1, "FLOAT_2D", "transmittance")
         info.fragment_out(0, "VEC4", "colour")
 
-    return _compile("background", declare, ["viewport/background_fragment.glsl"])
+    return compile_shader("background", declare, ["viewport/background_fragment.glsl"])
 
 
 # Textures -----------------------------------------------------------------------------------------------------------
-
-
-def _texture(size: tuple[int, ...], channels: str, data: np.ndarray, layers: int = 0) -> Any:
-    import gpu
-
-    flat = np.ascontiguousarray(data, dtype=np.float32).ravel()
-    buffer = gpu.types.Buffer("FLOAT", flat.size, flat)
-    return gpu.types.GPUTexture(size, layers=layers, format=f"{channels}32F", data=buffer)
 
 
 class _Smoke:
@@ -169,7 +128,7 @@ class _Smoke:
             rows[4] = (*medium.extinction, frame.step_length)
             rows[5] = (*medium.scattering, medium.anisotropy)
             depth, height, width = density.shape
-            self._add(number, _texture((width, height, depth), "R", density), light, medium.clearance)
+            self._add(number, texture((width, height, depth), "R", density), light, medium.clearance)
         if not media:
             # Where there is no smoke one empty cell stands in: the shader has one case less.
             self.uniforms[first : first + 6] = [
@@ -181,7 +140,7 @@ class _Smoke:
                 (0,) * 4,
             ]
             nothing = np.zeros((1, 1, 1), np.float32)
-            self._add(0, _texture((1, 1, 1), "R", nothing), np.zeros((0, 1, 1, 1, 2), np.float32), nothing)
+            self._add(0, texture((1, 1, 1), "R", nothing), np.zeros((0, 1, 1, 1, 2), np.float32), nothing)
 
     def _add(self, number: int, density: Any, light: np.ndarray, clearance: np.ndarray) -> None:
         _, depth, height, width, channels = light.shape
@@ -189,8 +148,8 @@ class _Smoke:
             light = np.zeros((1, depth, height, width, channels), np.float32)
         size = (width, height, depth * light.shape[0])
         self.textures[f"density_{number}"] = density
-        self.textures[f"light_{number}"] = _texture(size, "RG" if channels == 2 else "RGBA", light)
-        self.textures[f"clearance_{number}"] = _texture(clearance.shape[::-1], "R", clearance)
+        self.textures[f"light_{number}"] = texture(size, "RG" if channels == 2 else "RGBA", light)
+        self.textures[f"clearance_{number}"] = texture(clearance.shape[::-1], "R", clearance)
 
     def uniform_buffer(self, corners: np.ndarray, look: Look) -> Any:
         import gpu
@@ -232,50 +191,13 @@ class Picture:
     buffer: Any
 
 
-@contextlib.contextmanager
-def _plain_state() -> Iterator[None]:
-    """No depth test, no blending; whatever was set comes back."""
-    import gpu
-
-    blend, depth_test, depth_mask = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
-    gpu.state.blend_set("NONE")
-    gpu.state.depth_test_set("NONE")
-    gpu.state.depth_mask_set(False)
-    try:
-        yield
-    finally:
-        gpu.state.blend_set(blend)
-        gpu.state.depth_test_set(depth_test)
-        gpu.state.depth_mask_set(depth_mask)
-
-
 class Painter:
     """Owns every GPU object of the add-on. Dropping it frees them."""
 
     def __init__(self) -> None:
-        self._shaders: dict[Any, Any] = {}
-        self._failures: dict[Any, str] = {}
+        self._shaders = Shaders()
         self._smoke: dict[bool, _Smoke] = {}  # the overlay's, and the Rendered view's: their frames differ
         self._pictures: OrderedDict[Any, Picture] = OrderedDict()
-        self._triangle: Any = None
-
-    def _shader(self, key: Any, make: Callable[[], Any]) -> Any:
-        if key in self._failures:
-            raise ShaderError(self._failures[key])
-        if key not in self._shaders:
-            try:
-                self._shaders[key] = make()
-            except ShaderError as error:
-                self._failures[key] = str(error)  # so that the compiler's log is printed once
-                raise
-        return self._shaders[key]
-
-    def _draw(self, shader: Any) -> None:
-        from gpu_extras.batch import batch_for_shader
-
-        if self._triangle is None:
-            self._triangle = batch_for_shader(shader, "TRIS", {"corner": [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)]})
-        self._triangle.draw(shader)
 
     def picture(self, view: Any, frame: Any, look: Look) -> Picture:
         """The smoke of `frame`. `view` is any name: the picture is kept under it until something else is asked of it."""
@@ -295,48 +217,48 @@ class Painter:
             self._smoke.pop(look.overlay, None)  # free first: two large volumes may not fit
             smoke = self._smoke[look.overlay] = _Smoke(frame)
         variant = (smoke.colours, smoke.media, look.overlay)
-        shader = self._shader(variant, lambda: _smoke_shader(*variant))
+        shader = self._shaders.get(variant, lambda: _smoke_shader(*variant))
 
         camera = core.module().Camera(np.reshape(look.matrix, (4, 4)))
-        surfaces = _texture(look.size, "RGBA", frame.surfaces(camera, *look.size, output=look.output))
+        surfaces = texture(look.size, "RGBA", frame.surfaces(camera, *look.size, output=look.output))
         targets = [gpu.types.GPUTexture(look.size, format="RGBA16F") for _ in range(2 if look.overlay else 1)]
         buffer = gpu.types.GPUFrameBuffer(color_slots=targets)
         uniforms = smoke.uniform_buffer(camera.corners, look)
-        with _plain_state(), buffer.bind():
+        with plain_state(), buffer.bind():
             shader.bind()
             shader.uniform_block("view", uniforms)
             shader.uniform_sampler("surfaces", surfaces)
-            for name, texture in smoke.textures.items():
-                shader.uniform_sampler(name, texture)
-            self._draw(shader)
+            for name, held in smoke.textures.items():
+                shader.uniform_sampler(name, held)
+            self._shaders.draw_screen(shader)
         return Picture(frame, look, targets[0], targets[1] if look.overlay else None, buffer)
 
-    def composite(self, texture: Any, blend: str, gain: float, least_alpha: float) -> None:
+    def composite(self, picture: Any, blend: str, gain: float, least_alpha: float) -> None:
         """Draw a texture of the target's size over what the bound target holds."""
         import gpu
 
-        shader = self._shader("composite", _composite_shader)
-        with _plain_state():
+        shader = self._shaders.get("composite", _composite_shader)
+        with plain_state():
             gpu.state.blend_set(blend)
             shader.bind()
-            shader.uniform_sampler("picture", texture)
+            shader.uniform_sampler("picture", picture)
             shader.uniform_float("gain", gain)
             shader.uniform_float("least_alpha", least_alpha)
-            self._draw(shader)
+            self._shaders.draw_screen(shader)
 
     def dim_background(self, picture: Picture, gain: float, background: tuple[float, float, float]) -> None:
         """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""
         import gpu
 
-        shader = self._shader("background", _background_shader)
-        with _plain_state():
+        shader = self._shaders.get("background", _background_shader)
+        with plain_state():
             gpu.state.blend_set("MULTIPLY")
             shader.bind()
             shader.uniform_sampler("radiance", picture.radiance)
             shader.uniform_sampler("transmittance", picture.transmittance)
             shader.uniform_float("gain", gain)
             shader.uniform_float("background", background)
-            self._draw(shader)
+            self._shaders.draw_screen(shader)
 
 
 _painter: Painter | None = None
