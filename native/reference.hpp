@@ -6,6 +6,7 @@
 
 #include "scene.hpp"
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,6 +15,8 @@
 #include <glm/vec4.hpp>
 
 namespace sfumato::reference {
+
+constexpr double ENDLESS = std::numeric_limits<double>::infinity();
 
 // ---- Smoke (reference_medium.cpp) ----
 
@@ -31,7 +34,10 @@ double column(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &to
 // The part of the light that crosses the smoke between two points, for each colour: Beer and Lambert.
 glm::dvec3 transmittance(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &to);
 
-// The same for a ray that leaves `from` in the unit direction `towards` and never ends.
+// The same through all of them, wherever they overlap: the product of their parts.
+glm::dvec3 transmittance(std::span<const Medium> media, const glm::dvec3 &from, const glm::dvec3 &to);
+
+// The same through one, for a ray that leaves `from` in the unit direction `towards` and never ends.
 glm::dvec3 transmittance_to_infinity(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &towards);
 
 // Henyey and Greenstein (1941), per steradian. cos_theta is the cosine between the directions in which the light
@@ -47,7 +53,23 @@ struct Fragment {
 // The part of the light left behind every fragment with depth <= d. Their order does not matter.
 double transmittance(std::span<const Fragment> fragments, double d);
 
-// ---- Surfaces and the sun (reference_surface.cpp) ----
+// ---- Lights (reference_light.cpp) ----
+
+// A part of a light, as seen from a point.
+struct LightSample {
+    glm::dvec3 towards{0.0};    // the unit direction from the point to the light
+    double distance = ENDLESS;  // to the light, metres
+    glm::dvec3 irradiance{0.0}; // unoccluded, W/m^2, on a surface there that faces the direction; smoke has no face,
+                                // and this is its fluence
+};
+
+// per_axis squared parts of a light, or one when it has no extent. Each stands for an equal part of a sun's disk, of
+// the solid angle of a sphere (seen from inside: of all directions), and of the area of a rectangle or an ellipse.
+// These are midpoints: one is the centre, and close to a large light it takes many. A part at `position` itself is left
+// out.
+std::vector<LightSample> light_samples(const Light &light, const glm::dvec3 &position, unsigned per_axis);
+
+// ---- Surfaces (reference_surface.cpp) ----
 
 // What a ray meets first.
 struct Hit {
@@ -61,29 +83,28 @@ struct Hit {
 // The first triangle on the ray from `origin` in the unit direction `direction`, no further than `reach` metres.
 std::optional<Hit> first_hit(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &direction, double reach);
 
-// Whether a triangle stands in the endless ray from `origin`, which may itself lie on a triangle.
-bool occluded(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &towards);
+// Whether a triangle stands between `origin` and the point `distance` metres away in the unit direction `towards`. Both
+// of them may lie on triangles.
+bool occluded(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &towards, double distance = ENDLESS);
 
-// Unit directions towards the sun's disk, `per_axis` squared of them, or its centre alone when it has no extent. The
-// disk is uniformly bright, and each direction stands for an equal part of the irradiance on a surface facing the sun.
-std::vector<glm::dvec3> sun_directions(const Sun &sun, unsigned per_axis);
+// The part of the light from that point that reaches `origin`: past the solids and through the smoke.
+glm::dvec3 visibility(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &towards,
+                      double distance = ENDLESS);
 
-// The part of the light from the direction `towards` that reaches a point: past the solids and through the smoke.
-glm::dvec3 visibility(const Scene &scene, const glm::dvec3 &position, const glm::dvec3 &towards);
-
-// Radiance that leaves a diffuse surface (Lambert) in the light of the sun. Black without a sun.
-glm::dvec3 reflected(const Scene &scene, const Hit &hit, unsigned sun_samples_per_axis);
+// Radiance that leaves a diffuse surface (Lambert) in the light of all lights.
+glm::dvec3 reflected(const Scene &scene, const Hit &hit, unsigned samples_per_axis);
 
 // ---- Images (reference.cpp) ----
 
 struct Settings {
-    unsigned sun_samples_per_axis = 8; // of the sun's disk, as seen from a surface
-    double step = 0.01;                // metres, the longest step along a view ray: well below the size of a cell
+    unsigned sun_samples_per_axis = 8;   // of each light, the sun or any other, as seen from a surface
+    double step = 0.01;                  // metres, the longest step along a view ray: well below the size of a cell
+    unsigned light_samples_per_axis = 1; // of each light, as seen from the smoke; 1: its centre
 };
 
 // The image of the scene with single scattering: width x height pixels from the lower left, one ray through the centre
 // of each. RGB is radiance, premultiplied. Alpha is 1 on a surface, elsewhere what the smoke keeps from the background,
-// averaged over the colours. Solids shade the smoke from the centre of the sun's disk.
+// averaged over the colours. The eye sees no lights.
 // Throws std::invalid_argument for settings that cannot be used.
 std::vector<glm::dvec4> render(const Scene &scene, const Camera &camera, unsigned width, unsigned height,
                                const Settings &settings);

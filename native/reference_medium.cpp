@@ -105,6 +105,14 @@ glm::dvec3 transmittance(const Medium &medium, const glm::dvec3 &from, const glm
     return glm::exp(-extinction * column(medium, from, to));
 }
 
+glm::dvec3 transmittance(std::span<const Medium> media, const glm::dvec3 &from, const glm::dvec3 &to) {
+    glm::dvec3 product(1.0);
+    for (const Medium &medium : media) {
+        product *= transmittance(medium, from, to);
+    }
+    return product;
+}
+
 glm::dvec3 transmittance_to_infinity(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &towards) {
     // No point of a box is further away than the furthest of its corners.
     const glm::dmat4 matrix(medium.grid_to_world);

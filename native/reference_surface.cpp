@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
 
 namespace sfumato::reference {
 namespace {
@@ -65,18 +64,6 @@ Hit describe(const Mesh &mesh, std::size_t index, const Crossing &crossing, cons
     return hit;
 }
 
-// Shirley and Chiu, "A low distortion map between disk and square", 1997: [-1, 1]^2 to the unit disk, area to area.
-glm::dvec2 concentric(const glm::dvec2 &square) {
-    const double quarter = std::numbers::pi / 4.0;
-    const bool wide = std::abs(square.x) > std::abs(square.y);
-    const double radius = wide ? square.x : square.y;
-    if (radius == 0.0) {
-        return glm::dvec2(0.0);
-    }
-    const double phi = wide ? quarter * square.y / square.x : quarter * (2.0 - square.x / square.y);
-    return radius * glm::dvec2(std::cos(phi), std::sin(phi));
-}
-
 } // namespace
 
 std::optional<Hit> first_hit(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &direction, double reach) {
@@ -93,13 +80,14 @@ std::optional<Hit> first_hit(const Scene &scene, const glm::dvec3 &origin, const
     return nearest;
 }
 
-bool occluded(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &towards) {
-    // A triangle does not shade the points on it: far more than rounding, far less than anything one models.
+bool occluded(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &towards, double distance) {
+    // A triangle does not shade the points on it, nor a lamp the light on it: far more than rounding, far less than
+    // anything one models.
     const double clearance = 1e-9 * (1.0 + glm::length(origin));
     for (const Mesh &mesh : scene.meshes) {
         for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
             const std::optional<Crossing> crossing = intersect(corners(mesh, i), origin, towards);
-            if (crossing && crossing->distance > clearance) {
+            if (crossing && crossing->distance > clearance && crossing->distance < distance - clearance) {
                 return true;
             }
         }
@@ -107,50 +95,32 @@ bool occluded(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &to
     return false;
 }
 
-std::vector<glm::dvec3> sun_directions(const Sun &sun, unsigned per_axis) {
-    const glm::dvec3 axis = -glm::normalize(glm::dvec3(sun.direction));
-    if (sun.angle == 0.0F) {
-        return {axis};
-    }
-    const glm::dvec3 other = std::abs(axis.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(1.0, 0.0, 0.0);
-    const glm::dvec3 tangent = glm::normalize(glm::cross(other, axis));
-    const glm::dvec3 bitangent = glm::cross(axis, tangent);
-    // Constant radiance over a cone gives each piece of it an irradiance in proportion to its area when projected on
-    // the plane that faces the sun. The cone's projection is a disk of radius sin(angle / 2): equal areas, equal parts.
-    const double radius = std::sin(0.5 * double{sun.angle});
-    std::vector<glm::dvec3> directions;
-    for (unsigned j = 0; j < per_axis; ++j) {
-        for (unsigned i = 0; i < per_axis; ++i) {
-            const glm::dvec2 stratum = (2.0 * glm::dvec2(i, j) + 1.0) / double(per_axis) - 1.0;
-            const glm::dvec2 disk = radius * concentric(stratum);
-            const double height = std::sqrt(1.0 - glm::dot(disk, disk));
-            directions.push_back(disk.x * tangent + disk.y * bitangent + height * axis);
-        }
-    }
-    return directions;
-}
-
-glm::dvec3 visibility(const Scene &scene, const glm::dvec3 &position, const glm::dvec3 &towards) {
-    if (occluded(scene, position, towards)) {
+glm::dvec3 visibility(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &towards, double distance) {
+    if (occluded(scene, origin, towards, distance)) {
         return glm::dvec3(0.0);
     }
-    return scene.medium ? transmittance_to_infinity(*scene.medium, position, towards) : glm::dvec3(1.0);
+    if (distance < ENDLESS) {
+        return transmittance(scene.media, origin, origin + distance * towards);
+    }
+    glm::dvec3 product(1.0);
+    for (const Medium &medium : scene.media) {
+        product *= transmittance_to_infinity(medium, origin, towards);
+    }
+    return product;
 }
 
-glm::dvec3 reflected(const Scene &scene, const Hit &hit, unsigned sun_samples_per_axis) {
-    if (!scene.sun) {
-        return glm::dvec3(0.0);
-    }
-    const glm::dvec3 axis = -glm::normalize(glm::dvec3(scene.sun->direction));
-    const std::vector<glm::dvec3> directions = sun_directions(*scene.sun, sun_samples_per_axis);
-    glm::dvec3 sum(0.0); // of the cosine to the surface, over the cosine to the plane that faces the sun
-    for (const glm::dvec3 &towards : directions) {
-        const double cosine = glm::dot(hit.normal, towards);
-        if (cosine > 0.0 && glm::dot(hit.face, towards) > 0.0) {
-            sum += cosine / glm::dot(axis, towards) * visibility(scene, hit.position, towards);
+glm::dvec3 reflected(const Scene &scene, const Hit &hit, unsigned samples_per_axis) {
+    glm::dvec3 irradiance(0.0);
+    for (const Light &light : scene.lights) {
+        for (const LightSample &sample : light_samples(light, hit.position, samples_per_axis)) {
+            const double cosine = glm::dot(hit.normal, sample.towards);
+            const bool faces = cosine > 0.0 && glm::dot(hit.face, sample.towards) > 0.0;
+            if (faces && sample.irradiance != glm::dvec3(0.0)) {
+                irradiance +=
+                    cosine * sample.irradiance * visibility(scene, hit.position, sample.towards, sample.distance);
+            }
         }
     }
-    const glm::dvec3 irradiance = glm::dvec3(scene.sun->irradiance) * sum / double(directions.size());
     return hit.albedo / std::numbers::pi * irradiance;
 }
 

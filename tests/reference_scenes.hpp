@@ -54,6 +54,36 @@ inline Medium smooth_medium(const glm::uvec3 &resolution, const glm::mat4 &grid_
     return medium;
 }
 
+inline Light sun_light(const glm::vec3 &direction, const glm::vec3 &irradiance, float angle = 0.0F) {
+    Light light;
+    light.strength = irradiance;
+    light.direction = direction;
+    light.angle = angle;
+    return light;
+}
+
+inline Light point_light(const glm::vec3 &position, const glm::vec3 &intensity, float radius = 0.0F) {
+    Light light;
+    light.kind = Light::Kind::SPHERE;
+    light.strength = intensity;
+    light.position = position;
+    light.radius = radius;
+    return light;
+}
+
+// A rectangle or an ellipse that shines along -cross(across, up).
+inline Light area_light(Light::Kind kind, const glm::vec3 &position, const glm::vec3 &across, const glm::vec3 &up,
+                        const glm::vec3 &radiance) {
+    Light light;
+    light.kind = kind;
+    light.strength = radiance;
+    light.position = position;
+    light.across = across;
+    light.up = up;
+    light.direction = -glm::normalize(glm::cross(across, up));
+    return light;
+}
+
 // Turned, stretched and moved, with no axis left in its place.
 inline glm::mat4 oblique_grid() {
     glm::mat4 matrix = glm::translate(glm::mat4(1.0F), glm::vec3(0.3F, -1.2F, 0.7F));

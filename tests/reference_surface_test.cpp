@@ -20,7 +20,7 @@ const glm::vec3 grey(0.5F);
 Scene floor_in_the_sun() {
     Scene scene;
     scene.meshes = {parallelogram({-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, {0.8F, 0.4F, 0.2F})};
-    scene.sun = Sun{{0.0F, 0.0F, -1.0F}, {3.0F, 2.0F, 1.0F}, 0.0F};
+    scene.lights = {sun_light({0.0F, 0.0F, -1.0F}, {3.0F, 2.0F, 1.0F})};
     return scene;
 }
 
@@ -85,9 +85,9 @@ TEST(FirstHit, InterpolatesCornerNormalsForTheSideThatIsSeen) {
 TEST(Reflected, IsLambertUnderASunOfAnySize) {
     Scene scene = floor_in_the_sun();
     for (const float tilt : {0.0F, 0.7F}) {
-        scene.sun->direction = {std::sin(tilt), 0.0F, -std::cos(tilt)};
+        scene.lights[0].direction = {std::sin(tilt), 0.0F, -std::cos(tilt)};
         for (const float angle : {0.0F, 0.009F, 0.6F}) {
-            scene.sun->angle = angle;
+            scene.lights[0].angle = angle;
             const glm::dvec3 radiance = radiance_of_floor(scene, 0.3, 0.2, 6);
             const double factor = std::cos(double{tilt}) / std::numbers::pi;
             EXPECT_NEAR(radiance.x, 0.8 * 3.0 * factor, 1e-6) << tilt << ' ' << angle;
@@ -97,13 +97,35 @@ TEST(Reflected, IsLambertUnderASunOfAnySize) {
     }
 }
 
+TEST(Reflected, AddsUpLocalLights) {
+    Scene scene = floor_in_the_sun();
+    const Light sun = scene.lights[0];
+    const Light bulb = point_light({0.0F, 0.0F, 3.0F}, {18.0F, 9.0F, 4.5F}); // E cos: I h / d^3
+    const Light panel =
+        area_light(Light::Kind::RECTANGLE, {1, 0, 2}, {0.25F, 0, 0}, {0, 0.25F, 0}, {4.0F, 8.0F, 16.0F});
+    const glm::dvec3 albedo(0.8, 0.4, 0.2);
+    scene.lights = {bulb};
+    const glm::dvec3 by_bulb = radiance_of_floor(scene, 4.0, 0.0, 8);
+    for (int colour = 0; colour < 3; ++colour) {
+        const double expected = albedo[colour] / std::numbers::pi * double{bulb.strength[colour]} * 3.0 / 125.0;
+        EXPECT_NEAR(by_bulb[colour], expected, 1e-6 * expected);
+    }
+    scene.lights = {panel};
+    const glm::dvec3 by_panel = radiance_of_floor(scene, 4.0, 0.0, 8);
+    EXPECT_NEAR(by_panel.x, 0.8 / std::numbers::pi * 4.0 * 0.25 * 4.0 / 169.0, 0.02 * by_panel.x); // L A h^2 / d^4
+    scene.lights = {sun};
+    const glm::dvec3 by_sun = radiance_of_floor(scene, 4.0, 0.0, 8);
+    scene.lights = {bulb, sun, panel};
+    EXPECT_NEAR(glm::distance(radiance_of_floor(scene, 4.0, 0.0, 8), by_bulb + by_sun + by_panel), 0.0, 1e-15);
+}
+
 TEST(Reflected, IsBlackOnTheFarSideFromTheSunAndWithoutIt) {
     Scene scene = floor_in_the_sun();
     const auto hit = first_hit(scene, {0.3, 0.2, -1.0}, {0, 0, 1}, 2.0); // the floor, seen from below
     ASSERT_TRUE(hit);
     EXPECT_EQ(reflected(scene, *hit, 4), glm::dvec3(0.0));
     // Nor does light come through a triangle whose smooth normal leans over to the sun's side.
-    scene.sun->direction = glm::normalize(glm::vec3(-1.0F, 0.0F, 0.1F));
+    scene.lights[0].direction = glm::normalize(glm::vec3(-1.0F, 0.0F, 0.1F));
     Hit leaning = *hit;
     leaning.normal = glm::dvec3(0.6, 0.0, 0.8);
     leaning.face = glm::dvec3(0.0, 0.0, 1.0);
@@ -111,36 +133,14 @@ TEST(Reflected, IsBlackOnTheFarSideFromTheSunAndWithoutIt) {
     // Nor does a triangle that faces the sun, under a smooth normal that does not, give negative light.
     std::swap(leaning.normal, leaning.face);
     EXPECT_EQ(reflected(scene, leaning, 4), glm::dvec3(0.0));
-    scene.sun.reset();
+    scene.lights.clear();
     EXPECT_EQ(radiance_of_floor(scene, 0.3, 0.2, 4), glm::dvec3(0.0));
-}
-
-TEST(SunDirections, FillTheConeAndAreEqualPartsOfTheIrradiance) {
-    const Sun sun{glm::normalize(glm::vec3(1.0F, -2.0F, -3.0F)), glm::vec3(1.0F), 0.5F};
-    const glm::dvec3 axis = -glm::normalize(glm::dvec3(sun.direction));
-    double widest = 0.0;
-    glm::dvec3 mean(0.0);
-    double second_moment = 0.0;
-    const auto directions = sun_directions(sun, 40);
-    ASSERT_EQ(directions.size(), 1600U);
-    for (const glm::dvec3 &direction : directions) {
-        EXPECT_NEAR(glm::length(direction), 1.0, 1e-12);
-        const double angle = std::acos(glm::dot(direction, axis));
-        widest = std::max(widest, angle);
-        mean += direction / 1600.0;
-        second_moment += std::pow(std::sin(angle), 2) / 1600.0;
-    }
-    EXPECT_LT(widest, 0.25);
-    EXPECT_GT(widest, 0.24);
-    EXPECT_NEAR(glm::length(glm::cross(mean, axis)), 0.0, 1e-12);
-    // Over a uniform disk the mean square radius is half the square of the radius.
-    EXPECT_NEAR(second_moment, 0.5 * std::pow(std::sin(0.25), 2), 1e-4);
 }
 
 // The roof is a half plane x < 0 at height 2, so the sun's disk, seen from the floor, is cut by a straight line.
 TEST(Shadow, OfAHalfPlaneHasTheUmbraThePenumbraAndTheLight) {
     Scene scene = floor_in_the_sun();
-    scene.sun->angle = 0.4F;
+    scene.lights[0].angle = 0.4F;
     scene.meshes.push_back(parallelogram({-50, -50, 2}, {50, 0, 0}, {0, 100, 0}, grey));
     const double lit = 0.8 * 3.0 / std::numbers::pi;
     const double edge = 2.0 * std::tan(0.2); // of the penumbra
@@ -156,7 +156,7 @@ TEST(Shadow, OfAHalfPlaneHasTheUmbraThePenumbraAndTheLight) {
 
 TEST(Shadow, OfABoxIsBlackBelowItAndAbsentBesideIt) {
     Scene scene = floor_in_the_sun();
-    scene.sun->direction = glm::normalize(glm::vec3(1.0F, 0.0F, -1.0F)); // the shadow falls towards +x
+    scene.lights[0].direction = glm::normalize(glm::vec3(1.0F, 0.0F, -1.0F)); // the shadow falls towards +x
     scene.meshes.push_back(parallelogram({-1, -1, 2}, {2, 0, 0}, {0, 2, 0}, grey));
     scene.meshes.push_back(parallelogram({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, grey));
     scene.meshes.push_back(parallelogram({-1, -1, 1}, {0, 2, 0}, {0, 0, 1}, grey));
@@ -180,22 +180,59 @@ TEST(Shadow, IsThereUnderAPlateThatAlmostTouches) {
 // No triangle shades its own points, however far from the origin of the world and however flat the light.
 TEST(Shadow, DoesNotFallOnTheSurfaceThatCastsIt) {
     Scene scene;
-    scene.sun = Sun{glm::normalize(glm::vec3(1.0F, 0.3F, -0.01F)), glm::vec3(1.0F), 0.0F};
+    scene.lights = {sun_light(glm::normalize(glm::vec3(1.0F, 0.3F, -0.01F)), glm::vec3(1.0F))};
     scene.meshes = {parallelogram({1000, 1000, 100}, {3, 0, 0.01F}, {0, 3, -0.02F}, grey)};
     for (int i = 0; i < 100; ++i) {
         const glm::dvec3 eye(1000.01 + 0.029 * i, 1000.01 + 0.0137 * i, 103.0);
         const auto hit = first_hit(scene, eye, {0, 0, -1}, 10.0);
         ASSERT_TRUE(hit);
-        EXPECT_FALSE(occluded(scene, hit->position, -glm::dvec3(scene.sun->direction)));
+        EXPECT_FALSE(occluded(scene, hit->position, -glm::dvec3(scene.lights[0].direction)));
+    }
+}
+
+TEST(Shadow, OfALocalLightIsThatOfWhatStandsBeforeIt) {
+    Scene scene = floor_in_the_sun();
+    const auto plate = [](float height) { return parallelogram({-5, -5, height}, {10, 0, 0}, {0, 10, 0}, grey); };
+    const Light bulb = point_light({0, 0, 2}, glm::vec3(1.0F)), ball = point_light({0, 0, 2}, glm::vec3(1.0F), 0.5F);
+    const Light panel = area_light(Light::Kind::ELLIPSE, {0, 0, 2}, {0.5F, 0, 0}, {0, 0.5F, 0}, glm::vec3(1.0F));
+    const Mesh floor = scene.meshes[0];
+    for (const Light &light : {bulb, ball, panel}) {
+        scene.lights = {light};
+        scene.meshes = {floor};
+        const glm::dvec3 lit = radiance_of_floor(scene, 0.3, 0.2, 4);
+        EXPECT_GT(lit.x, 0.0);
+        for (const float behind : {2.0F, 2.001F, 7.0F}) {
+            scene.meshes = {floor, plate(behind)};
+            EXPECT_EQ(radiance_of_floor(scene, 0.3, 0.2, 4), lit) << behind;
+        }
+        for (const float before : {1.0F, 1.49F, light.radius > 0.0F ? 1.49F : 1.999F}) {
+            scene.meshes = {floor, plate(before)};
+            EXPECT_EQ(radiance_of_floor(scene, 0.3, 0.2, 4), glm::dvec3(0.0)) << before;
+        }
+    }
+}
+
+// A strip of light above the edge of a roof, at twice its height: the floor at x sees the strip beyond -x. What comes
+// from du at a distance u along it goes with 1 / (u^2 + h^2)^2.
+TEST(Shadow, OfAHalfPlaneUnderAStripHasItsPenumbra) {
+    Scene scene = floor_in_the_sun();
+    scene.lights = {area_light(Light::Kind::RECTANGLE, {0, 0, 4}, {1, 0, 0}, {0, 0.01F, 0}, glm::vec3(1.0F))};
+    scene.meshes.push_back(parallelogram({-50, -50, 2}, {50, 0, 0}, {0, 100, 0}, grey));
+    const auto integral = [](double u) { return u / (32.0 * (u * u + 16.0)) + std::atan(u / 4.0) / 128.0; };
+    for (const double x : {-1.01, -0.6, 0.0, 0.35, 1.01}) {
+        const double first = std::clamp(-x, -1.0, 1.0);
+        const double expected = 0.8 / std::numbers::pi * 0.02 * 16.0 * (integral(1.0 - x) - integral(first - x));
+        EXPECT_NEAR(radiance_of_floor(scene, x, 0.0, 200).x, expected, 2e-6) << "x = " << x;
+        EXPECT_EQ(radiance_of_floor(scene, x, 0.0, 200).x > 0.0, x > -1.0);
     }
 }
 
 TEST(Shadow, OfSmokeIsItsTransmittance) {
     Scene scene = floor_in_the_sun();
     const glm::vec3 corner(-2.0F, -2.0F, 1.0F);
-    scene.medium = uniform_medium({4, 4, 3}, 0.5F, glm::translate(glm::mat4(1.0F), corner));
-    scene.medium->scattering = {0.2F, 0.4F, 0.6F};
-    scene.medium->absorption = {0.1F, 0.0F, 0.3F};
+    scene.media = {uniform_medium({4, 4, 3}, 0.5F, glm::translate(glm::mat4(1.0F), corner))};
+    scene.media[0].scattering = {0.2F, 0.4F, 0.6F};
+    scene.media[0].absorption = {0.1F, 0.0F, 0.3F};
     const glm::dvec3 lit = glm::dvec3(0.8 * 3.0, 0.4 * 2.0, 0.2 * 1.0) / std::numbers::pi;
     const glm::dvec3 expected = lit * glm::exp(-1.5 * glm::dvec3(0.3, 0.4, 0.9));
     const glm::dvec3 shadow = radiance_of_floor(scene, 0.3, -0.2, 1);
@@ -203,6 +240,27 @@ TEST(Shadow, OfSmokeIsItsTransmittance) {
         EXPECT_NEAR(shadow[colour], expected[colour], 1e-6);
     }
     EXPECT_NEAR(radiance_of_floor(scene, 2.6, 0.0, 1).x, lit.x, 1e-6);
+}
+
+// The smoke from z = 1 to 4 is 3 m thick under a light above it, 1 m thick under one inside it, and none under one
+// below it.
+TEST(Shadow, OfSmokeEndsAtALocalLight) {
+    Scene scene;
+    scene.meshes = {parallelogram({-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, glm::vec3(1.0F))};
+    scene.media = {uniform_medium({4, 4, 3}, 0.5F, glm::translate(glm::mat4(1.0F), {-2.0F, -2.0F, 1.0F}))};
+    scene.media[0].scattering = {0.2F, 0.4F, 0.6F};
+    scene.media.push_back(scene.media[0]); // as much again, and grey
+    scene.media[1].scattering = glm::vec3(0.0F);
+    scene.media[1].absorption = glm::vec3(1.0F);
+    for (const auto &[height, thickness] : {std::pair(6.0F, 3.0), std::pair(2.0F, 1.0), std::pair(0.4F, 0.0)}) {
+        scene.lights = {point_light({0, 0, height}, glm::vec3(1.0F))};
+        const glm::dvec3 seen = radiance_of_floor(scene, 0.0, 0.0, 1);
+        const glm::dvec3 extinction(1.2, 1.4, 1.6);
+        for (int colour = 0; colour < 3; ++colour) {
+            const double reaches = std::exp(-0.5 * extinction[colour] * thickness) / double{height} / double{height};
+            EXPECT_NEAR(seen[colour], reaches / std::numbers::pi, 1e-6 * reaches);
+        }
+    }
 }
 
 } // namespace

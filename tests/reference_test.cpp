@@ -23,14 +23,14 @@ Scene layered_slab() {
     const glm::mat4 grid_to_world =
         glm::scale(glm::translate(glm::mat4(1.0F), glm::vec3(-4.0F, -4.0F, -0.5F)), glm::vec3(0.25F, 0.25F, 0.125F));
     Scene scene;
-    scene.medium = uniform_medium({32, 32, 8}, 0.0F, grid_to_world);
-    for (std::size_t i = 0; i < scene.medium->density.size(); ++i) {
-        scene.medium->density[i] = 0.5F + float((i / 1024) % 3); // 0.5, 1.5, 2.5, 0.5, ...: 11 over the 8 layers
+    scene.media = {uniform_medium({32, 32, 8}, 0.0F, grid_to_world)};
+    for (std::size_t i = 0; i < scene.media[0].density.size(); ++i) {
+        scene.media[0].density[i] = 0.5F + float((i / 1024) % 3); // 0.5, 1.5, 2.5, 0.5, ...: 11 over the 8 layers
     }
-    scene.medium->scattering = {0.5F, 1.0F, 1.5F};
-    scene.medium->absorption = {0.5F, 0.25F, 0.0F};
-    scene.medium->anisotropy = 0.4F;
-    scene.sun = Sun{{0.0F, 0.0F, -1.0F}, {1.0F, 2.0F, 4.0F}, 0.0F};
+    scene.media[0].scattering = {0.5F, 1.0F, 1.5F};
+    scene.media[0].absorption = {0.5F, 0.25F, 0.0F};
+    scene.media[0].anisotropy = 0.4F;
+    scene.lights = {sun_light({0.0F, 0.0F, -1.0F}, {1.0F, 2.0F, 4.0F})};
     return scene;
 }
 
@@ -62,7 +62,7 @@ TEST(Render, ShowsTheBackgroundOfAnEmptyScene) {
 
 TEST(Render, StartsAtTheLowerLeftAndLooksThroughPixelCentres) {
     Scene scene;
-    scene.sun = Sun{};
+    scene.lights = {Light{}};
     // The image is 4 m wide; its pixels are 1 m by 2 m. Only the centres at x = -1.5, -0.5 and y = -1 lie on the plate.
     scene.meshes = {parallelogram({-1.75F, -1.1F, 0}, {1.5F, 0, 0}, {0, 0.2F, 0}, glm::vec3(1.0F))};
     const auto image = render(scene, camera_from_above(4.0F), 4, 2, fine);
@@ -106,11 +106,11 @@ TEST(Slab, ScattersLightStraightOn) {
 // light at a cosine m to the slab's normal and an eye at a cosine n.
 TEST(Slab, ScattersLightBackAtAnyAngle) {
     Scene scene = layered_slab();
-    scene.sun->direction = glm::normalize(glm::vec3(0.5F, -1.0F, -2.0F));
+    scene.lights[0].direction = glm::normalize(glm::vec3(0.5F, -1.0F, -2.0F));
     const glm::dvec3 view = glm::normalize(glm::dvec3(-2, 0, -4));
-    const double m = -double{scene.sun->direction.z};
+    const double m = -double{scene.lights[0].direction.z};
     const double n = -view.z;
-    const double phase = henyey_greenstein(glm::dot(glm::dvec3(scene.sun->direction), -view), double{0.4F});
+    const double phase = henyey_greenstein(glm::dot(glm::dvec3(scene.lights[0].direction), -view), double{0.4F});
     const glm::dvec3 depth = optical_depth * (1.0 / m + 1.0 / n);
     const glm::dvec3 albedo(0.5, 0.8, 1.0);
     const glm::dvec3 expected = albedo * phase * glm::dvec3(1.0, 2.0, 4.0) * (m / (m + n)) * (1.0 - glm::exp(-depth));
@@ -119,7 +119,7 @@ TEST(Slab, ScattersLightBackAtAnyAngle) {
 
 TEST(Slab, DimsWhatIsBehindItAndSetsAlpha) {
     Scene scene = layered_slab();
-    scene.sun.reset();
+    scene.lights.clear();
     scene.background = {0.25F, 0.5F, 2.0F};
     const glm::dvec3 through = glm::exp(-optical_depth);
     const glm::dvec4 colour = pixel(scene, {0.1F, 0.2F, 4}, {0.1F, 0.2F, -4});
@@ -142,7 +142,7 @@ TEST(Slab, LiesInFrontOfASurface) {
 TEST(Slab, EndsAtASurfaceInsideIt) {
     Scene scene = layered_slab();
     scene.meshes = {parallelogram({-9, -9, 0}, {18, 0, 0}, {0, 18, 0}, glm::vec3(0.0F))};
-    const glm::dvec3 above = glm::dvec3(1.0, 1.25, 1.5) * column(*scene.medium, {0.1, 0.2, 4}, {0.1, 0.2, 0});
+    const glm::dvec3 above = glm::dvec3(1.0, 1.25, 1.5) * column(scene.media[0], {0.1, 0.2, 4}, {0.1, 0.2, 0});
     const glm::dvec3 albedo(0.5, 0.8, 1.0);
     const double phase = henyey_greenstein(-1.0, double{0.4F});
     const glm::dvec3 expected = albedo * phase * glm::dvec3(1.0, 2.0, 4.0) * (1.0 - glm::exp(-2.0 * above)) / 2.0;
@@ -154,7 +154,7 @@ TEST(Slab, EndsAtASurfaceInsideIt) {
 // it. This is a plane through cell centres, so no step is half in the shadow.
 TEST(Slab, IsShadedBySolids) {
     Scene scene = layered_slab();
-    scene.sun->direction = {1.0F, 0.0F, 0.0F};
+    scene.lights[0].direction = {1.0F, 0.0F, 0.0F};
     const glm::dvec4 whole = pixel(scene, {-3.5F, 0.2F, 4}, {-3.5F, 0.2F, -4});
     const glm::dvec4 upper = pixel(scene, {-3.5F, 0.2F, 4}, {-3.5F, 0.2F, 0.0625F});
     scene.meshes = {parallelogram({-6, -9, -9}, {0, 18, 0}, {0, 0, 9.0625F}, glm::vec3(0.5F))};
@@ -169,11 +169,11 @@ TEST(Slab, IsShadedBySolids) {
 // Smoke cannot send on more than it takes out of the ray: L <= albedo p_max E alpha, for each colour.
 TEST(RoughSmoke, StaysWithinTheLightThereIs) {
     Scene scene;
-    scene.medium = random_medium({5, 6, 7}, oblique_grid(), 7);
-    scene.medium->scattering = glm::vec3(4.0F);
-    scene.medium->absorption = glm::vec3(1.0F);
-    scene.medium->anisotropy = -0.3F;
-    scene.sun = Sun{glm::normalize(glm::vec3(1.0F, 0.5F, -2.0F)), glm::vec3(2.0F), 0.0F};
+    scene.media = {random_medium({5, 6, 7}, oblique_grid(), 7)};
+    scene.media[0].scattering = glm::vec3(4.0F);
+    scene.media[0].absorption = glm::vec3(1.0F);
+    scene.media[0].anisotropy = -0.3F;
+    scene.lights = {sun_light(glm::normalize(glm::vec3(1.0F, 0.5F, -2.0F)), glm::vec3(2.0F))};
     const double bound = 0.8 * henyey_greenstein(-1.0, double{-0.3F}) * 2.0;
     double brightest = 0.0;
     for (const glm::dvec4 &colour : render(scene, camera_from_above(6.0F), 16, 16, {1, 0.05})) {
@@ -188,9 +188,9 @@ TEST(RoughSmoke, StaysWithinTheLightThereIs) {
 // The steps only serve the exponentials, so even coarse ones are good, and finer ones change nothing.
 TEST(RoughSmoke, HasConvergedAtHalfACell) {
     Scene scene;
-    scene.medium = random_medium({5, 6, 7}, oblique_grid(), 8);
-    scene.medium->scattering = glm::vec3(3.0F);
-    scene.sun = Sun{glm::normalize(glm::vec3(1.0F, 0.5F, -2.0F)), glm::vec3(1.0F), 0.0F};
+    scene.media = {random_medium({5, 6, 7}, oblique_grid(), 8)};
+    scene.media[0].scattering = glm::vec3(3.0F);
+    scene.lights = {sun_light(glm::normalize(glm::vec3(1.0F, 0.5F, -2.0F)), glm::vec3(1.0F))};
     const glm::vec3 from(1.2F, -0.6F, 3.0F);
     const glm::vec3 to(0.4F, -0.9F, -1.0F);
     const double coarse = pixel(scene, from, to, {1, 0.06}).x;
@@ -204,6 +204,7 @@ TEST(Render, RefusesSettingsThatMeanNothing) {
     const Camera camera = camera_from_above(2.0F);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(render(scene, camera, 1, 1, {0, 0.1}), std::invalid_argument);
+    EXPECT_THROW(render(scene, camera, 1, 1, {4, 0.1, 0}), std::invalid_argument);
     EXPECT_THROW(render(scene, camera, 1, 1, {4, 0.0}), std::invalid_argument);
     EXPECT_THROW(render(scene, camera, 1, 1, {4, -1.0}), std::invalid_argument);
     EXPECT_THROW(render(scene, camera, 1, 1, {4, nan}), std::invalid_argument);
