@@ -26,6 +26,15 @@ inline Real spot_share(const LightView &light, const vec3 &from_light) {
     return spot_fade(cosine, light.cone_cosine, light.blend);
 }
 
+// The fluence around a sphere as a share of its falloff(). Its radiance is constant, so that it is the solid angle that
+// counts: 2 pi (1 - cos) from outside, everything from inside. A point is a sphere of the size that falloff() gives it.
+inline Real sphere_share(const LightView &light, const vec3 &from_middle) {
+    const Real distance2 = dot(from_middle, from_middle);
+    const Real sine2 = min(light.size2 / max(distance2, 1e-20F), 1.0F);
+    const Real height = pick(distance2 < light.size2, 2.0F, sine2 / (1.0F + sqrt(1.0F - sine2))); // 1 - cos
+    return 2.0F * height * (distance2 + light.size2) / light.size2;
+}
+
 // What one of the light's samples brings to a point, as a share of falloff_of().
 inline Real sample_share(const LightView &light, const glm::vec3 &sample, const vec3 &world) {
     const float count = static_cast<float>(light.samples.size());
@@ -33,7 +42,8 @@ inline Real sample_share(const LightView &light, const glm::vec3 &sample, const 
         return 1.0F / count;
     }
     if (light.kind == Light::Kind::SPHERE) {
-        return spot_share(light, world - broadcast(sample)) * (1.0F / count);
+        return sphere_share(light, world - broadcast(light.position)) * spot_share(light, world - broadcast(sample)) *
+               (1.0F / count);
     }
     const vec3 from_sample = world - broadcast(sample), from_middle = world - broadcast(light.position);
     const float patch = light.area / count;
