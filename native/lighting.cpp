@@ -67,6 +67,11 @@ glm::dvec2 on_disk(const glm::dvec2 &square) {
     return radius * glm::dvec2(std::cos(angle), std::sin(angle));
 }
 
+// The unit vector on the side of `axis`, another, whose part across it is given.
+glm::dvec3 on_dome(const glm::dvec3 &axis, const glm::dvec3 &across) {
+    return across + axis * std::sqrt(std::max(1.0 - glm::dot(across, across), 0.0));
+}
+
 } // namespace
 
 LightView view_of(const Light &light, double cell) {
@@ -82,7 +87,8 @@ LightView view_of(const Light &light, double cell) {
     switch (light.kind) {
     case Light::Kind::SUN: {
         const glm::dmat3 axes = axes_of(glm::dvec3(light.direction));
-        const double radius = std::tan(0.5 * double{light.angle});
+        // Of a cone's projection on the plane that faces the sun, equal areas bring equal parts of the irradiance.
+        const double radius = std::sin(0.5 * double{light.angle});
         view.across = glm::vec3(axes[0] * radius);
         view.up = glm::vec3(axes[1] * radius);
         view.radius = static_cast<float>(radius);
@@ -130,7 +136,7 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Cro
         const glm::dvec3 across(light.across), up(light.up);
         switch (light.kind) {
         case Light::Kind::SUN:
-            samples.emplace_back(glm::normalize(towards + across * disk.x + up * disk.y));
+            samples.emplace_back(on_dome(towards, across * disk.x + up * disk.y));
             break;
         case Light::Kind::SPHERE: {
             // The disk that the sphere shows to the smoke.
