@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whole pictures, against the reference and against what physics fixes.
-#include "frame.hpp"
-#include "reference_scenes.hpp"
+#include "pictures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,78 +13,7 @@
 namespace sfumato {
 namespace {
 
-using reference::testing::camera_at;
-using reference::testing::camera_from_above;
-using reference::testing::parallelogram;
-using reference::testing::random_medium;
-using reference::testing::smooth_medium;
-using reference::testing::sun_light;
-using reference::testing::uniform_medium;
-
-constexpr int WIDTH = 32, HEIGHT = 18;
-const Camera camera = camera_at({2.5F, -4.5F, 2.2F}, {0.0F, 0.0F, 0.75F}, 16.0F / 9.0F);
-const FrameSettings finest{31, 2.0, 4.0};
-
-// An upright box without its bottom.
-std::vector<Mesh> block(const glm::vec3 &corner, const glm::vec3 &size, const glm::vec3 &albedo) {
-    const glm::vec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
-    return {parallelogram(corner + z, x, y, albedo), parallelogram(corner, x, z, albedo),
-            parallelogram(corner + y, z, x, albedo), parallelogram(corner, z, y, albedo),
-            parallelogram(corner + x, y, z, albedo)};
-}
-
-// Waves of smoke over a floor. The smoke is 1.6 m across, its densest parts let through a tenth of the light.
-Scene smoke_over_floor() {
-    const glm::mat4 grid_to_world =
-        glm::scale(glm::translate(glm::mat4(1.0F), glm::vec3(-0.8F, -0.8F, 0.2F)), glm::vec3(0.05F));
-    Scene scene;
-    scene.meshes = {parallelogram({-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, {0.8F, 0.6F, 0.4F})};
-    scene.media = {smooth_medium({32, 32, 32}, grid_to_world)};
-    scene.media[0].scattering = glm::vec3(2.0F);
-    scene.media[0].absorption = glm::vec3(0.5F);
-    scene.media[0].anisotropy = 0.3F;
-    scene.lights = {sun_light(glm::normalize(glm::vec3(0.5F, 0.4F, -1.0F)), {4.0F, 3.5F, 3.0F})};
-    scene.background = {0.1F, 0.2F, 0.4F};
-    return scene;
-}
-
-Scene smoke_over_floor_and_block() {
-    Scene scene = smoke_over_floor();
-    for (const Mesh &side : block({-1.5F, -1.3F, 0.0F}, {0.7F, 0.7F, 2.0F}, {0.3F, 0.5F, 0.7F})) {
-        scene.meshes.push_back(side);
-    }
-    return scene;
-}
-
-std::vector<float> render(const Scene &scene, const FrameSettings &settings = finest, int edge_samples = 1,
-                          const Camera &from = camera, const Kernels &with = kernels()) {
-    return Frame(scene, settings, with).render(from, WIDTH, HEIGHT, edge_samples, {}).value();
-}
-
-std::vector<glm::dvec4> exact(const Scene &scene, const Camera &from = camera) {
-    return reference::render(scene, from, WIDTH, HEIGHT, {8, 0.01});
-}
-
-// Root mean square difference of RGB, over the root mean square of the exact picture's; alpha must be as good.
-double error(const std::vector<float> &image, const std::vector<glm::dvec4> &expected) {
-    glm::dvec4 difference(0.0), sum(0.0);
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        const double value = expected[i / 4][int(i % 4)];
-        difference[int(i % 4)] += std::pow(double{image[i]} - value, 2);
-        sum[int(i % 4)] += value * value;
-    }
-    const double rgb = std::sqrt((difference.x + difference.y + difference.z) / (sum.x + sum.y + sum.z));
-    return std::max(rgb, sum.w > 0.0 ? std::sqrt(difference.w / sum.w) : 0.0);
-}
-
-double largest_difference(const std::vector<float> &a, const std::vector<float> &b) {
-    EXPECT_EQ(a.size(), b.size());
-    double largest = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        largest = std::max(largest, std::abs(double{a[i]} - double{b[i]}));
-    }
-    return largest;
-}
+using namespace reference::testing;
 
 // The qualities that the add-on offers, with the error allowed for a picture of smoke over a floor, of smoke alone, and
 // of smoke in the shadow of a block. Measured: a third less.
