@@ -318,6 +318,39 @@ TEST(LightVolume, MindsSolidsOutsideTheSmoke) {
     }
 }
 
+// A wall before one of two bodies leaves the other in the light: each has its own map, with its own solids.
+TEST(LightVolume, HasItsOwnSolids) {
+    Scene scene = two_bodies();
+    scene.media[1].grid_to_world =
+        glm::translate(glm::mat4(1.0F), glm::vec3(8.0F, 0.0F, 0.0F)) * scene.media[1].grid_to_world;
+    const glm::vec3 first = in_world(scene.media[0], glm::vec3(0.5F)),
+                    second = in_world(scene.media[1], glm::vec3(0.5F));
+    const glm::vec3 from = 0.5F * (first + second) + glm::vec3(0.0F, 12.0F, 0.0F);
+    for (const Light &light :
+         {sun_light({0.0F, -1.0F, 0.0F}, glm::vec3(1.0F)), point_light(from, glm::vec3(1.0F), 0.05F)}) {
+        scene.lights = {light};
+        for (const std::size_t hidden : {0U, 1U}) {
+            const glm::vec3 &middle = hidden == 0 ? first : second, &other = hidden == 0 ? second : first;
+            // As wide as half the space, on the side of the hidden body.
+            const glm::vec3 border = 0.5F * (first + second) + glm::vec3(0.0F, 6.0F, 0.0F);
+            glm::vec3 aside = middle - other;
+            aside.y = 0.0F;
+            aside = 50.0F * glm::normalize(aside);
+            const glm::vec3 up = glm::cross(aside, glm::vec3(0.0F, 1.0F, 0.0F));
+            scene.meshes = {parallelogram(border - up, aside, 2.0F * up, glm::vec3(0.5F))};
+            const Lit lit(scene, 4);
+            double most[2] = {0.0, 0.0};
+            for (std::size_t m = 0; m < 2; ++m) {
+                for_each_lit_cell(lit, m, 0, 1, [&](const glm::dvec3 &, const float *values) {
+                    EXPECT_NEAR(values[1], m == hidden ? 0.0F : 1.0F, 0.01F) << m;
+                    most[m] = std::max(most[m], double{values[1]});
+                });
+            }
+            EXPECT_GT(most[1 - hidden], 0.9);
+        }
+    }
+}
+
 // ---- What is left out ----
 
 TEST(Lighting, SkipsMapsWhereALightCannotMeetTheSmoke) {
