@@ -56,20 +56,21 @@ float blackman_harris_quantile(float u) {
 std::vector<FilmSample> film_samples(int count, int turn) {
     std::vector<FilmSample> samples(static_cast<std::size_t>(count));
     const double golden = (std::sqrt(5.0) - 1.0) / 2.0;
-    // Hammersley's points, scrambled from pixel to pixel, for the pixel; a lattice of the golden ratio for the
-    // lights, walked in an order that has nothing to do with the position in the pixel,
-    // and turned. Every coordinate takes the middle of each of `count` equal shares once, so no pattern pulls to a
-    // side.
+    // Hammersley's points, scrambled from pixel to pixel, for the pixel; a lattice of the golden ratio for the lights,
+    // walked in an order that has nothing to do with the position in the pixel. Lattice and walk are turned from pixel
+    // to pixel. Every coordinate takes the middle of each of `count` equal shares once, so no pattern pulls to a side.
     const auto scrambled = [turn](int i) { return radical_inverse(static_cast<unsigned>(i) ^ unsigned(turn)); };
+    const auto turned = [golden](int i, int by) { return std::fmod(golden * i + (by + 0.5) / FILM_TURNS, 1.0); };
     const std::vector<int> rows = ranks(count, scrambled);
-    const std::vector<int> petals = ranks(count, [golden](int i) { return std::fmod(i * golden, 1.0); });
+    const std::vector<int> walk = ranks(count, [&](int i) { return turned(i, 5 * turn % FILM_TURNS); });
+    const std::vector<int> lattice = ranks(count, [&](int i) { return turned(i, turn); });
     const auto middle = [count](int share) { return (share + 0.5) / count; };
     for (int i = 0; i < count; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        const double turned = golden * petals[at] + (turn + 0.5) / FILM_TURNS;
         samples[at] = {blackman_harris_quantile(static_cast<float>(middle(i))),
                        blackman_harris_quantile(static_cast<float>(middle(rows[at]))),
-                       static_cast<float>(middle(petals[at])), static_cast<float>(turned - std::floor(turned))};
+                       static_cast<float>(middle(walk[at])),
+                       static_cast<float>(middle(lattice[static_cast<std::size_t>(walk[at])]))};
     }
     return samples;
 }

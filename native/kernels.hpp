@@ -78,7 +78,7 @@ struct LightView {
     glm::vec3 strength{0.0F};
     glm::vec3 position{0.0F};
     glm::vec3 direction{0.0F, 0.0F, -1.0F};
-    glm::vec3 across{0.0F}, up{0.0F}; // half axes; of a sun tan(angle / 2) long, of a sphere not set
+    glm::vec3 across{0.0F}, up{0.0F}; // half axes; of a sun sin(angle / 2) long, of a sphere not set
     float radius = 0.0F;
     float cone_cosine = -2.0F; // of a spot's edge; -2 for no spot
     float blend = 0.0F;

@@ -18,7 +18,7 @@ namespace sfumato {
 namespace {
 
 constexpr double MOST_COEFFICIENTS = 1 << 26; // a quarter of a gibibyte
-constexpr int MOST_SLICES = 8192;
+constexpr int MOST_SLICES = 32768;
 
 // What each slice of the light's path adds to each coefficient, per unit of density: eqs 1-2 for slabs.
 std::vector<float> slice_weights(int slices, int count, double path) {
@@ -251,10 +251,13 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
         const glm::dvec2 margin = 0.02 * (high - low);
         low = glm::max(low - margin, -1.0);
         high = glm::min(high + margin, 1.0);
-        // The nearest point of the box lies nearer than all corners: the depth of its face, at least.
-        const glm::dvec3 nearest = glm::clamp(cell, glm::dvec3(0.0), glm::dvec3(medium.resolution));
-        const glm::dvec3 there(medium.grid_to_world * glm::dvec4(nearest, 1.0));
-        map.low = glm::dvec3(low, 0.5 * glm::distance(there, position));
+        // No point of the box is nearer than its corners are deep. Harmonics are spent on what lies between the
+        // bounds, so from afar they must not begin at the light.
+        double depth = map.high.z;
+        for (const glm::dvec3 &p : corners) {
+            depth = std::min(depth, p.z);
+        }
+        map.low = glm::dvec3(low, depth);
         map.high = glm::dvec3(high, map.high.z);
     }
     // A texel spans a cell, or the share asked for, at the middle of the smoke; near the light it spans less.

@@ -47,17 +47,29 @@ bool meets(const LightView &light, const glm::dvec3 &sample, const Ball &ball) {
     return std::acos(std::clamp(along / distance, -1.0, 1.0)) - std::asin(ball.radius / distance) < cone;
 }
 
-// Vogel's sunflower: `count` points that share the unit disk evenly.
-glm::dvec2 sunflower(int i, int count) {
-    const double radius = std::sqrt((i + 0.5) / count);
-    const double angle = 2.0 * std::numbers::pi * std::numbers::phi * i;
+// A lattice of `count` points that share the square [-1, 1]^2 evenly (Fibonacci's), each with its mirror image, so that
+// the middle of them is the middle of the light.
+glm::dvec2 on_square(int i, int count) {
+    const double from_middle = i - 0.5 * (count - 1);
+    const double turn = std::numbers::phi * from_middle + 0.5;
+    return 2.0 * glm::dvec2(from_middle / count, turn - std::floor(turn) - 0.5);
+}
+
+// The same on the unit disk: Shirley and Chiu, "A low distortion map between disk and square", 1997.
+glm::dvec2 on_disk(const glm::dvec2 &square) {
+    constexpr double QUARTER = 0.25 * std::numbers::pi;
+    const bool wide = std::abs(square.x) > std::abs(square.y);
+    const double radius = wide ? square.x : square.y;
+    if (radius == 0.0) {
+        return glm::dvec2(0.0);
+    }
+    const double angle = wide ? QUARTER * square.y / square.x : 2.0 * QUARTER - QUARTER * square.x / square.y;
     return radius * glm::dvec2(std::cos(angle), std::sin(angle));
 }
 
-// A lattice of `count` points that share the square [-1, 1]^2 evenly (Fibonacci's).
-glm::dvec2 lattice(int i, int count) {
-    const double turn = std::numbers::phi * i;
-    return 2.0 * glm::dvec2((i + 0.5) / count, turn - std::floor(turn)) - 1.0;
+// The unit vector on the side of `axis`, another, whose part across it is given.
+glm::dvec3 on_dome(const glm::dvec3 &axis, const glm::dvec3 &across) {
+    return across + axis * std::sqrt(std::max(1.0 - glm::dot(across, across), 0.0));
 }
 
 } // namespace
@@ -75,7 +87,8 @@ LightView view_of(const Light &light, double cell) {
     switch (light.kind) {
     case Light::Kind::SUN: {
         const glm::dmat3 axes = axes_of(glm::dvec3(light.direction));
-        const double radius = std::tan(0.5 * double{light.angle});
+        // Of a cone's projection on the plane that faces the sun, equal areas bring equal parts of the irradiance.
+        const double radius = std::sin(0.5 * double{light.angle});
         view.across = glm::vec3(axes[0] * radius);
         view.up = glm::vec3(axes[1] * radius);
         view.radius = static_cast<float>(radius);
@@ -121,12 +134,11 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Cro
     std::vector<glm::vec3> samples;
     const glm::dvec3 position(light.position), towards(-glm::dvec3(light.direction));
     for (int i = 0; i < count; ++i) {
-        const glm::dvec2 disk = count > 1 ? sunflower(i, count) : glm::dvec2(0.0);
-        const glm::dvec2 square = count > 1 ? lattice(i, count) : glm::dvec2(0.0);
+        const glm::dvec2 square = on_square(i, count), disk = on_disk(square);
         const glm::dvec3 across(light.across), up(light.up);
         switch (light.kind) {
         case Light::Kind::SUN:
-            samples.emplace_back(glm::normalize(towards + across * disk.x + up * disk.y));
+            samples.emplace_back(on_dome(towards, across * disk.x + up * disk.y));
             break;
         case Light::Kind::SPHERE: {
             // The disk that the sphere shows to the smoke.

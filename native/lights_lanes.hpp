@@ -5,6 +5,10 @@
 #include "kernels.hpp"
 #include "lanes.hpp"
 
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
@@ -27,14 +31,28 @@ inline Real spot_share(const LightView &light, const vec3 &from_light) {
     return light.spot_cosine ? fade * cosine : fade;
 }
 
+// The fluence around a sphere as a share of its falloff(). Its radiance is constant, so that it is the solid angle that
+// counts: 2 pi (1 - cos) from outside, everything from inside. A point is a sphere of the size that falloff() gives it.
+inline Real sphere_share(const LightView &light, const vec3 &from_middle) {
+    const Real distance2 = dot(from_middle, from_middle);
+    const Real sine2 = min(light.size2 / max(distance2, 1e-20F), 1.0F);
+    const Real height = pick(distance2 < light.size2, 2.0F, sine2 / (1.0F + sqrt(1.0F - sine2))); // 1 - cos
+    return 2.0F * height * (distance2 + light.size2) / light.size2;
+}
+
+// Each part of a sun's disk brings as much to a surface that faces its middle, and more to what faces the part. The
+// rim of a sun that fills half the sky would bring that surface next to nothing for infinitely much.
+constexpr float LOWEST_SUN = 0.02F;
+
 // What one of the light's samples brings to a point, as a share of falloff_of().
 inline Real sample_share(const LightView &light, const glm::vec3 &sample, const vec3 &world) {
     const float count = static_cast<float>(light.samples.size());
     if (light.kind == Light::Kind::SUN) {
-        return 1.0F / count;
+        return 1.0F / (count * std::max(-glm::dot(sample, light.direction), LOWEST_SUN));
     }
     if (light.kind == Light::Kind::SPHERE) {
-        return spot_share(light, world - broadcast(sample)) * (1.0F / count);
+        return sphere_share(light, world - broadcast(light.position)) * spot_share(light, world - broadcast(sample)) *
+               (1.0F / count);
     }
     const vec3 from_sample = world - broadcast(sample), from_middle = world - broadcast(light.position);
     const float patch = light.area / count;
@@ -75,8 +93,9 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
     const Real angle = pick(wide, 0.25F * PI * ratio, 0.5F * PI - 0.25F * PI * ratio);
     const Real x = radius * cos(angle), y = radius * sin(angle);
     if (light.kind == Light::Kind::SUN) {
-        return {normalised(broadcast(-light.direction) + broadcast(light.across) * x + broadcast(light.up) * y), 1e30F,
-                1.0F};
+        const vec3 aside = broadcast(light.across) * x + broadcast(light.up) * y;
+        const Real height = sqrt(max(1.0F - dot(aside, aside), LOWEST_SUN * LOWEST_SUN));
+        return {aside - broadcast(light.direction) * height, 1e30F, 1.0F / height};
     }
     if (light.kind == Light::Kind::SPHERE) {
         const vec3 to_middle = broadcast(light.position) - point;

@@ -75,17 +75,18 @@ std::vector<LightSample> sun_samples(const Light &sun, unsigned per_axis) {
 }
 
 // What the cone of a spot leaves of the light that travels in the unit direction `along`: a smooth step in the cosine
-// of its angle to the axis, from 0 on the cone to 1 at the share `blend` of the way to the axis, as in Cycles.
+// of its angle to the axis, as in Cycles, from 0 on the cone to 1 at the share `blend` of the way to the axis.
 double spot_factor(const Light &spot, const glm::dvec3 &along) {
     if (spot.cone >= 2.0F * std::numbers::pi_v<float>) {
         return 1.0;
     }
     const double edge = std::cos(0.5 * double{spot.cone});
     const double inside = glm::dot(along, glm::normalize(glm::dvec3(spot.direction))) - edge;
-    if (spot.blend == 0.0F) {
+    const double fade = (1.0 - edge) * double{spot.blend};
+    if (fade == 0.0) {
         return inside >= 0.0 ? 1.0 : 0.0;
     }
-    const double t = std::clamp(inside / ((1.0 - edge) * double{spot.blend}), 0.0, 1.0);
+    const double t = std::clamp(inside / fade, 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
 }
 

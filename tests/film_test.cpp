@@ -88,35 +88,42 @@ TEST(FilmSamples, DifferFromTurnToTurn) {
     }
 }
 
-// Rings and sectors of equal area hold equal shares of the samples, whatever their number.
-TEST(FilmSamples, FillTheSunsDiskEvenly) {
+// Strips of equal area, along either side of the lights' square, hold equal shares of the samples, whatever their
+// number; so do the square's quarters, but for what a lattice leaves at their borders.
+TEST(FilmSamples, FillTheLightsEvenly) {
     for (const int count : {7, 16, 49, 64, 256}) {
         for (const int turn : {0, 5}) {
             double x = 0.0, y = 0.0;
-            std::vector<int> rings(4, 0);
+            std::array<std::vector<int>, 3> shares{std::vector<int>(4), std::vector<int>(4), std::vector<int>(4)};
             for (const FilmSample &s : film_samples(count, turn)) {
-                const double radius = std::hypot(double{s.sun_x}, double{s.sun_y});
-                ASSERT_LT(radius, 1.0);
-                ++rings[std::size_t(4.0 * radius * radius)];
-                x += double{s.sun_x} / count;
-                y += double{s.sun_y} / count;
+                ASSERT_GE(std::min(s.light_u, s.light_v), 0.0F);
+                ASSERT_LT(std::max(s.light_u, s.light_v), 1.0F);
+                ++shares[0][std::size_t(4.0F * s.light_u)];
+                ++shares[1][std::size_t(4.0F * s.light_v)];
+                ++shares[2][std::size_t(2.0F * s.light_u) + 2 * std::size_t(2.0F * s.light_v)];
+                x += (2.0 * double{s.light_u} - 1.0) / count;
+                y += (2.0 * double{s.light_v} - 1.0) / count;
             }
             EXPECT_LT(std::hypot(x, y), 0.6 / std::sqrt(count)) << count;
-            EXPECT_LE(*std::max_element(rings.begin(), rings.end()), count / 4 + 1) << count;
-            EXPECT_GE(*std::min_element(rings.begin(), rings.end()), count / 4 - 1) << count;
+            for (const std::vector<int> &share : shares) {
+                const int slack = &share == &shares[2] ? 2 : 1;
+                EXPECT_LE(*std::max_element(share.begin(), share.end()), count / 4 + slack) << count;
+                EXPECT_GE(*std::min_element(share.begin(), share.end()), count / 4 - slack) << count;
+            }
         }
     }
 }
 
-// Which part of the sun a sample asks for says nothing about where in the pixel it asks.
-TEST(FilmSamples, DoNotPairThePixelWithTheSun) {
+// Which part of a light a sample asks for says nothing about where in the pixel it asks.
+TEST(FilmSamples, DoNotPairThePixelWithTheLights) {
     for (const int count : {16, 49, 64}) {
-        // Means of products, over all turns: of the position with the place on the disk, and with its ring.
+        // Means of products, over all turns: of the position with the place on the light, and with its ring.
         std::array<double, 6> products{};
         for (int turn = 0; turn < FILM_TURNS; ++turn) {
             for (const FilmSample &s : film_samples(count, turn)) {
-                const double x = double{s.x}, y = double{s.y}, a = double{s.sun_x}, b = double{s.sun_y};
-                const double ring = 2.0 * (a * a + b * b) - 1.0;
+                const double x = double{s.x}, y = double{s.y}, a = 2.0 * double{s.light_u} - 1.0,
+                             b = 2.0 * double{s.light_v} - 1.0;
+                const double ring = 2.0 * std::max(a * a, b * b) - 1.0;
                 const std::array<double, 6> values{x * a, x * b, y * a, y * b, x * ring, y * ring};
                 for (std::size_t i = 0; i < 6; ++i) {
                     products[i] += values[i] / (double(count) * FILM_TURNS);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whole pictures, against the reference and against what physics fixes.
-#include "frame.hpp"
-#include "reference_scenes.hpp"
+#include "pictures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,77 +13,7 @@
 namespace sfumato {
 namespace {
 
-using reference::testing::camera_at;
-using reference::testing::camera_from_above;
-using reference::testing::parallelogram;
-using reference::testing::random_medium;
-using reference::testing::smooth_medium;
-using reference::testing::uniform_medium;
-
-constexpr int WIDTH = 32, HEIGHT = 18;
-const Camera camera = camera_at({2.5F, -4.5F, 2.2F}, {0.0F, 0.0F, 0.75F}, 16.0F / 9.0F);
-const FrameSettings finest{31, 2.0, 4.0};
-
-// An upright box without its bottom.
-std::vector<Mesh> block(const glm::vec3 &corner, const glm::vec3 &size, const glm::vec3 &albedo) {
-    const glm::vec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
-    return {parallelogram(corner + z, x, y, albedo), parallelogram(corner, x, z, albedo),
-            parallelogram(corner + y, z, x, albedo), parallelogram(corner, z, y, albedo),
-            parallelogram(corner + x, y, z, albedo)};
-}
-
-// Waves of smoke over a floor. The smoke is 1.6 m across, its densest parts let through a tenth of the light.
-Scene smoke_over_floor() {
-    const glm::mat4 grid_to_world =
-        glm::scale(glm::translate(glm::mat4(1.0F), glm::vec3(-0.8F, -0.8F, 0.2F)), glm::vec3(0.05F));
-    Scene scene;
-    scene.meshes = {parallelogram({-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, {0.8F, 0.6F, 0.4F})};
-    scene.medium = smooth_medium({32, 32, 32}, grid_to_world);
-    scene.medium->scattering = glm::vec3(2.0F);
-    scene.medium->absorption = glm::vec3(0.5F);
-    scene.medium->anisotropy = 0.3F;
-    scene.sun = Sun{glm::normalize(glm::vec3(0.5F, 0.4F, -1.0F)), {4.0F, 3.5F, 3.0F}, 0.0F};
-    scene.background = {0.1F, 0.2F, 0.4F};
-    return scene;
-}
-
-Scene smoke_over_floor_and_block() {
-    Scene scene = smoke_over_floor();
-    for (const Mesh &side : block({-1.5F, -1.3F, 0.0F}, {0.7F, 0.7F, 2.0F}, {0.3F, 0.5F, 0.7F})) {
-        scene.meshes.push_back(side);
-    }
-    return scene;
-}
-
-std::vector<float> render(const Scene &scene, const FrameSettings &settings = finest, int edge_samples = 1,
-                          const Camera &from = camera, const Kernels &with = kernels()) {
-    return Frame(scene, settings, with).render(from, WIDTH, HEIGHT, edge_samples, {}).value();
-}
-
-std::vector<glm::dvec4> exact(const Scene &scene, const Camera &from = camera) {
-    return reference::render(scene, from, WIDTH, HEIGHT, {8, 0.01});
-}
-
-// Root mean square difference of RGB, over the root mean square of the exact picture's; alpha must be as good.
-double error(const std::vector<float> &image, const std::vector<glm::dvec4> &expected) {
-    glm::dvec4 difference(0.0), sum(0.0);
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        const double value = expected[i / 4][int(i % 4)];
-        difference[int(i % 4)] += std::pow(double{image[i]} - value, 2);
-        sum[int(i % 4)] += value * value;
-    }
-    const double rgb = std::sqrt((difference.x + difference.y + difference.z) / (sum.x + sum.y + sum.z));
-    return std::max(rgb, sum.w > 0.0 ? std::sqrt(difference.w / sum.w) : 0.0);
-}
-
-double largest_difference(const std::vector<float> &a, const std::vector<float> &b) {
-    EXPECT_EQ(a.size(), b.size());
-    double largest = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        largest = std::max(largest, std::abs(double{a[i]} - double{b[i]}));
-    }
-    return largest;
-}
+using namespace reference::testing;
 
 // The qualities that the add-on offers, with the error allowed for a picture of smoke over a floor, of smoke alone, and
 // of smoke in the shadow of a block. Measured: a third less.
@@ -105,7 +34,7 @@ TEST(Picture, IsThatOfTheReference) {
         EXPECT_LT(off, quality.over_floor) << quality.name;
     }
     Scene clear = scene;
-    clear.medium.reset();
+    clear.media.clear();
     EXPECT_GT(error(render(clear), expected), 0.1); // there is something to get wrong
 }
 
@@ -137,21 +66,21 @@ TEST(Picture, OfSmokeInTheShadowOfABlackBlockIsThatOfTheReference) {
 
 TEST(Picture, OfRoughSmokeIsThatOfTheReference) {
     Scene scene = smoke_over_floor();
-    scene.medium = random_medium({16, 16, 16}, glm::scale(scene.medium->grid_to_world, glm::vec3(2.0F)), 41);
-    scene.medium->scattering = glm::vec3(3.0F);
+    scene.media = {random_medium({16, 16, 16}, glm::scale(scene.media[0].grid_to_world, glm::vec3(2.0F)), 41)};
+    scene.media[0].scattering = glm::vec3(3.0F);
     EXPECT_LT(error(render(scene), exact(scene)), 0.0045);
 }
 
 TEST(Picture, OfColouredSmokeIsThatOfTheReferenceAndOfThreeGreyOnes) {
     Scene scene = smoke_over_floor();
-    scene.medium->scattering = {0.5F, 1.0F, 3.0F};
-    scene.medium->absorption = {1.0F, 0.0F, 0.5F};
+    scene.media[0].scattering = {0.5F, 1.0F, 3.0F};
+    scene.media[0].absorption = {1.0F, 0.0F, 0.5F};
     const std::vector<float> coloured = render(scene);
     EXPECT_LT(error(coloured, exact(scene)), 0.0002);
     for (int c = 0; c < 3; ++c) {
         Scene grey = scene;
-        grey.medium->scattering = glm::vec3(scene.medium->scattering[c]);
-        grey.medium->absorption = glm::vec3(scene.medium->absorption[c]);
+        grey.media[0].scattering = glm::vec3(scene.media[0].scattering[c]);
+        grey.media[0].absorption = glm::vec3(scene.media[0].absorption[c]);
         const std::vector<float> image = render(grey);
         for (std::size_t i = std::size_t(c); i < image.size(); i += 4) {
             EXPECT_NEAR(coloured[i], image[i], 2e-5F) << "colour " << c;
@@ -174,23 +103,24 @@ TEST(Picture, OfAnOrthographicCameraIsThatOfTheReference) {
 // at a cosine m to a slab's normal and an eye at a cosine n.
 TEST(Picture, OfASlabIsTheClosedForm) {
     Scene scene;
-    scene.medium = uniform_medium({64, 64, 32}, 1.0F,
+    scene.media = {uniform_medium({64, 64, 32}, 1.0F,
                                   glm::scale(glm::translate(glm::mat4(1.0F), glm::vec3(-4.0F, -4.0F, -0.5F)),
-                                             glm::vec3(0.125F, 0.125F, 1 / 32.0F)));
-    scene.medium->scattering = {0.5F, 1.0F, 2.0F};
-    scene.medium->absorption = glm::vec3(0.5F, 0.0F, 0.0F);
-    scene.medium->anisotropy = 0.4F;
-    scene.sun = Sun{glm::normalize(glm::vec3(0.5F, -1.0F, -2.0F)), glm::vec3(1.0F, 2.0F, 4.0F), 0.0F};
+                                             glm::vec3(0.125F, 0.125F, 1 / 32.0F)))};
+    scene.media[0].scattering = {0.5F, 1.0F, 2.0F};
+    scene.media[0].absorption = glm::vec3(0.5F, 0.0F, 0.0F);
+    scene.media[0].anisotropy = 0.4F;
+    scene.lights = {sun_light(glm::normalize(glm::vec3(0.5F, -1.0F, -2.0F)), glm::vec3(1.0F, 2.0F, 4.0F))};
     const glm::dvec3 way = glm::normalize(glm::dvec3(-2, 0, -4));
     const Camera pixel{{glm::vec3(1, 0, 2), glm::vec3(0), glm::vec3(0)},
                        {glm::vec3(-1, 0, -2), glm::vec3(0), glm::vec3(0)}};
-    const double m = -double{scene.sun->direction.z}, n = -way.z;
-    const double phase = reference::henyey_greenstein(glm::dot(glm::dvec3(scene.sun->direction), -way), double{0.4F});
+    const double m = -double{scene.lights[0].direction.z}, n = -way.z;
+    const double phase =
+        reference::henyey_greenstein(glm::dot(glm::dvec3(scene.lights[0].direction), -way), double{0.4F});
     const std::vector<float> image = Frame(scene, finest).render(pixel, 1, 1, 1, {}).value();
     for (int c = 0; c < 3; ++c) {
-        const double tau = double{scene.medium->scattering[c]} + double{scene.medium->absorption[c]};
-        const double albedo = double{scene.medium->scattering[c]} / tau;
-        const double expected = albedo * phase * double{scene.sun->irradiance[c]} * (m / (m + n)) *
+        const double tau = double{scene.media[0].scattering[c]} + double{scene.media[0].absorption[c]};
+        const double albedo = double{scene.media[0].scattering[c]} / tau;
+        const double expected = albedo * phase * double{scene.lights[0].strength[c]} * (m / (m + n)) *
                                 (1.0 - std::exp(-tau * (1.0 / m + 1.0 / n)));
         EXPECT_NEAR(image[std::size_t(c)], expected, 0.0003 * expected) << "colour " << c;
     }
@@ -201,10 +131,10 @@ TEST(Picture, OfASlabIsTheClosedForm) {
 TEST(Picture, OfNothingIsTheBackground) {
     Scene scene;
     scene.background = {0.25F, 0.5F, 2.0F};
-    scene.sun = Sun{};
+    scene.lights = {Light{}};
     for (const bool with_smoke : {false, true}) {
         if (with_smoke) {
-            scene.medium = uniform_medium({4, 4, 4}, 0.0F, glm::mat4(1.0F));
+            scene.media = {uniform_medium({4, 4, 4}, 0.0F, glm::mat4(1.0F))};
         }
         const std::vector<float> image = render(scene, finest, 16);
         for (std::size_t i = 0; i < image.size(); i += 4) {
@@ -218,14 +148,14 @@ TEST(Picture, OfNothingIsTheBackground) {
 
 TEST(Picture, WithoutSmokeIsThatOfTheReference) {
     Scene scene = smoke_over_floor_and_block();
-    scene.medium.reset();
+    scene.media.clear();
     EXPECT_LT(error(render(scene), exact(scene)), 1e-5);
 }
 
 // A sheet whose normals point away from the eye and lean, so that they shade it smoothly.
 TEST(Picture, OfTheBackOfASmoothSheetIsThatOfTheReference) {
     Scene scene = smoke_over_floor();
-    scene.medium.reset();
+    scene.media.clear();
     Mesh sheet = parallelogram({-1, -1, 0.7F}, {0, 2, 0}, {2, 0, 0.3F}, glm::vec3(0.7F)); // its normal points down
     for (auto &triangle : sheet.corner_normals) {
         triangle[0] = glm::normalize(triangle[0] + glm::vec3(0.6F, 0.2F, 0.0F));
@@ -237,7 +167,7 @@ TEST(Picture, OfTheBackOfASmoothSheetIsThatOfTheReference) {
 
 TEST(Picture, WithoutASunIsTheBackgroundThroughTheSmoke) {
     Scene scene = smoke_over_floor();
-    scene.sun.reset();
+    scene.lights.clear();
     scene.meshes.clear();
     EXPECT_LT(error(render(scene), exact(scene)), 1e-3);
     const std::vector<float> image = render(scene);
@@ -251,7 +181,7 @@ TEST(Picture, OfSmokeUnderARoofIsTheBackgroundThroughTheSmoke) {
     Scene scene = smoke_over_floor();
     scene.meshes = {parallelogram({-50, -50, 4}, {100, 0, 0}, {0, 100, 0}, glm::vec3(0.5F))};
     const std::vector<float> shaded = render(scene);
-    scene.sun.reset();
+    scene.lights.clear();
     EXPECT_EQ(largest_difference(shaded, render(scene)), 0.0);
 }
 
@@ -276,11 +206,11 @@ TEST(Picture, HasNoMoreLightThanThereIs) {
     Scene scene = smoke_over_floor();
     scene.meshes.clear();
     scene.background = glm::vec3(0.0F);
-    scene.medium = random_medium({16, 16, 16}, glm::scale(scene.medium->grid_to_world, glm::vec3(2.0F)), 42);
-    scene.medium->scattering = glm::vec3(40.0F);
-    scene.medium->absorption = glm::vec3(10.0F);
-    scene.medium->anisotropy = -0.3F;
-    scene.sun->irradiance = glm::vec3(2.0F);
+    scene.media = {random_medium({16, 16, 16}, glm::scale(scene.media[0].grid_to_world, glm::vec3(2.0F)), 42)};
+    scene.media[0].scattering = glm::vec3(40.0F);
+    scene.media[0].absorption = glm::vec3(10.0F);
+    scene.media[0].anisotropy = -0.3F;
+    scene.lights[0].strength = glm::vec3(2.0F);
     const double bound = 0.8 * reference::henyey_greenstein(-1.0, double{-0.3F}) * 2.0;
     float brightest = 0.0F;
     for (const Quality &quality : qualities) {
@@ -297,7 +227,7 @@ TEST(Picture, HasNoMoreLightThanThereIs) {
 
 TEST(Picture, IsTheSameEachTimeAndOnEveryInstructionSet) {
     Scene scene = smoke_over_floor_and_block();
-    scene.sun->angle = 0.1F;
+    scene.lights[0].angle = 0.1F;
     const std::vector<float> image = render(scene, {15, 1.0, 1.0}, 16);
     EXPECT_EQ(largest_difference(image, render(scene, {15, 1.0, 1.0}, 16)), 0.0);
     for (const Kernels &set : available_kernels()) {
@@ -345,7 +275,7 @@ TEST(Film, SeesThePenumbraOfAHalfPlane) {
     Scene scene;
     scene.meshes = {parallelogram({-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, glm::vec3(1.0F)),
                     parallelogram({-50, -50, 2}, {50, 0, 0}, {0, 100, 0}, glm::vec3(1.0F))};
-    scene.sun = Sun{{0.0F, 0.0F, -1.0F}, glm::vec3(std::numbers::pi_v<float>), 0.2F};
+    scene.lights = {sun_light({0.0F, 0.0F, -1.0F}, glm::vec3(std::numbers::pi_v<float>), 0.2F)};
     const Camera under_the_roof{{glm::vec3(-0.32F, -0.16F, 1.0F), glm::vec3(0.64F, 0, 0), glm::vec3(0, 0.36F, 0)},
                                 {glm::vec3(-0.32F, -0.16F, -1.0F), glm::vec3(0.64F, 0, 0), glm::vec3(0, 0.36F, 0)}};
     const std::vector<float> image = render(scene, finest, 256, under_the_roof);
@@ -364,7 +294,7 @@ TEST(Film, SeesThePenumbraOfAHalfPlane) {
 // The edge of a tilted plate, against the filter's integral over a picture of 16 times as many pixels each way.
 TEST(Film, FiltersEdges) {
     Scene scene;
-    scene.sun = Sun{};
+    scene.lights = {Light{}};
     scene.meshes = {parallelogram({-3, -4, 0}, {3, 0.7F, 0}, {-1, 8, 0}, glm::vec3(1.0F))};
     constexpr int FINER = 16;
     const Camera above = camera_from_above(4.0F);
@@ -402,65 +332,79 @@ TEST(Film, FiltersEdges) {
 
 // ---- What the viewport asks for ----
 
-TEST(Surfaces, HaveTheDistanceAndTheLightOfTheFirstHit) {
+// With smoke and without, everything that a viewport asks of a pixel's surface.
+TEST(Surfaces, HaveTheDistanceTheLightAndTheShadowsOfTheFirstHit) {
     Scene scene = smoke_over_floor_and_block();
-    const Frame frame(scene, {7, 0.5, 0.5});
-    const std::vector<float> lit = frame.surfaces(camera, WIDTH, HEIGHT, true);
-    const std::vector<float> unlit = frame.surfaces(camera, WIDTH, HEIGHT, false);
-    scene.medium.reset();
-    const auto expected = exact(scene);
     int hits = 0, shaded = 0;
-    for (int y = 0; y < HEIGHT; ++y) {
-        for (int x = 0; x < WIDTH; ++x) {
-            const auto pixel = std::size_t(4 * (y * WIDTH + x));
-            const float u = (float(x) + 0.5F) / WIDTH, v = (float(y) + 0.5F) / HEIGHT;
-            const glm::dvec3 from = camera.near[0] + u * camera.near[1] + v * camera.near[2];
-            const glm::dvec3 to = camera.far[0] + u * camera.far[1] + v * camera.far[2];
-            const glm::dvec3 direction = glm::normalize(to - from);
-            const auto hit = reference::first_hit(scene, from, direction, glm::distance(from, to));
-            const double distance = hit ? hit->distance : glm::distance(from, to);
-            EXPECT_NEAR(lit[pixel + 3], distance, 1e-5 * distance);
-            EXPECT_EQ(unlit[pixel + 3], lit[pixel + 3]);
-            double cosine = 0.0, visible = 0.0; // the cosine alone, and times the visibility
-            if (hit) {
-                const glm::dvec3 towards = -glm::dvec3(scene.sun->direction);
-                const bool dark = reference::occluded(scene, hit->position, towards);
-                cosine = std::max(glm::dot(hit->normal, towards), 0.0);
-                visible = dark ? 0.0 : cosine;
-                ++hits;
-                shaded += visible == 0.0 ? 1 : 0;
-            }
-            for (std::size_t c = 0; c < 3; ++c) {
-                EXPECT_NEAR(lit[pixel + c], expected[pixel / 4][int(c)], 1e-5);
-                EXPECT_NEAR(unlit[pixel + c], c == 0 ? visible : cosine, 1e-5);
+    double darkest = 1.0; // of the smoke's shadow
+    for (const bool with_smoke : {true, false}) {
+        scene.media.resize(with_smoke ? 1 : 0);
+        const double tolerance = with_smoke ? 0.003 : 1e-5;
+        const Frame frame(scene, finest);
+        const std::vector<float> lit = frame.surfaces(camera, WIDTH, HEIGHT, Output::SURFACES);
+        const std::vector<float> smoke = frame.surfaces(camera, WIDTH, HEIGHT, Output::SMOKE_SHADOW);
+        const std::vector<float> all = frame.surfaces(camera, WIDTH, HEIGHT, Output::ALL_SHADOWS);
+        for (int y = 0; y < HEIGHT; ++y) {
+            for (int x = 0; x < WIDTH; ++x) {
+                const auto pixel = std::size_t(4 * (y * WIDTH + x));
+                const float u = (float(x) + 0.5F) / WIDTH, v = (float(y) + 0.5F) / HEIGHT;
+                const glm::dvec3 from = camera.near[0] + u * camera.near[1] + v * camera.near[2];
+                const glm::dvec3 to = camera.far[0] + u * camera.far[1] + v * camera.far[2];
+                const glm::dvec3 direction = glm::normalize(to - from);
+                const auto hit = reference::first_hit(scene, from, direction, glm::distance(from, to));
+                const double distance = hit ? hit->distance : glm::distance(from, to);
+                glm::dvec3 radiance(scene.background);
+                double cosine = 0.0, visible = 0.0, through = 1.0; // `visible` is the cosine too, past solids
+                if (hit) {
+                    const glm::dvec3 towards = -glm::dvec3(scene.lights[0].direction);
+                    radiance = reference::reflected(scene, *hit, 1);
+                    cosine = std::max(glm::dot(hit->normal, towards), 0.0);
+                    visible = reference::occluded(scene, hit->position, towards) ? 0.0 : cosine;
+                    for (const Medium &medium : scene.media) {
+                        through *= reference::transmittance_to_infinity(medium, hit->position, towards).x;
+                    }
+                    darkest = std::min(darkest, through);
+                    ++hits;
+                    shaded += visible == 0.0 ? 1 : 0;
+                }
+                EXPECT_NEAR(lit[pixel + 3], distance, 1e-5 * distance);
+                EXPECT_EQ(smoke[pixel + 3], lit[pixel + 3]);
+                EXPECT_EQ(all[pixel + 3], lit[pixel + 3]);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    EXPECT_NEAR(lit[pixel + c], radiance[int(c)], tolerance);
+                    EXPECT_NEAR(smoke[pixel + c], visible * (1.0 - through), tolerance);
+                    EXPECT_NEAR(all[pixel + c], cosine - visible * through, tolerance);
+                }
             }
         }
     }
-    EXPECT_GT(hits, 100);
-    EXPECT_GT(shaded, 10);
+    EXPECT_GT(hits, 200);
+    EXPECT_GT(shaded, 20);
+    EXPECT_LT(darkest, 0.3);
 }
 
 TEST(Transmittance, OfTheFrameIsThatOfTheReferenceForEachColour) {
     Scene scene = smoke_over_floor();
-    scene.medium->scattering = {0.5F, 1.0F, 3.0F};
+    scene.media[0].scattering = {0.5F, 1.0F, 3.0F};
     std::vector<float> points, shares;
     for (int i = 0; i < 100; ++i) {
         points.insert(points.end(), {-1.0F + 0.03F * float(i), 0.1F, 0.01F * float(i)});
     }
     shares.resize(points.size());
-    Frame(scene, finest).transmittance(points, shares);
+    Frame(scene, finest).transmittance(0, points, shares);
     float darkest = 1.0F;
     for (std::size_t i = 0; i < points.size(); i += 3) {
-        const glm::dvec3 expected = reference::transmittance_to_infinity(
-            *scene.medium, glm::dvec3(points[i], points[i + 1], points[i + 2]), -glm::dvec3(scene.sun->direction));
+        const glm::dvec3 expected =
+            reference::transmittance_to_infinity(scene.media[0], glm::dvec3(points[i], points[i + 1], points[i + 2]),
+                                                 -glm::dvec3(scene.lights[0].direction));
         for (std::size_t c = 0; c < 3; ++c) {
             EXPECT_NEAR(shares[i + c], expected[int(c)], 0.003);
             darkest = std::min(darkest, shares[i + c]);
         }
     }
     EXPECT_LT(darkest, 0.3F);
-    scene.sun.reset();
-    Frame(scene, finest).transmittance(points, shares);
+    scene.media.clear();
+    Frame(scene, finest).transmittance(0, points, shares);
     EXPECT_EQ(*std::min_element(shares.begin(), shares.end()), 1.0F);
 }
 

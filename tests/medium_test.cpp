@@ -20,7 +20,7 @@ using reference::testing::uniform_medium;
 
 float density(const CroppedMedium &medium, const glm::ivec3 &cell) {
     const std::ptrdiff_t row = std::ptrdiff_t{cell.z} * medium.resolution.y + cell.y;
-    return medium.lit[static_cast<std::size_t>((row * medium.resolution.x + cell.x) * medium.channels)];
+    return medium.density[static_cast<std::size_t>(row * medium.resolution.x + cell.x)];
 }
 
 template <typename Visit>
@@ -111,12 +111,12 @@ TEST(Crop, TellsGreySmokeFromColoured) {
     medium.absorption = {0.0F, 0.5F, 1.0F};
     const CroppedMedium grey = crop(medium); // coloured light, grey extinction
     EXPECT_TRUE(grey.grey());
-    EXPECT_EQ(grey.albedo, glm::vec3(1.0F, 0.5F, 0.0F));
+    EXPECT_EQ(grey.scattering, glm::vec3(1.0F, 0.5F, 0.0F));
     medium.absorption = {0.0F, 0.0F, 0.0F};
     const CroppedMedium coloured = crop(medium);
     EXPECT_FALSE(coloured.grey());
     EXPECT_EQ(coloured.extinction, glm::vec3(1.0F, 0.5F, 0.0F));
-    EXPECT_EQ(coloured.albedo, glm::vec3(1.0F, 1.0F, 0.0F)); // and no division by zero
+    EXPECT_EQ(coloured.scattering, glm::vec3(1.0F, 0.5F, 0.0F));
     EXPECT_EQ(mass(coloured), 60.0);
 }
 

@@ -175,7 +175,7 @@ TEST(Media, ThatOverlapAddUp) {
     two.media.resize(3, one.media[0]);
     two.media[0].scattering *= glm::vec3(1, 0, 0);
     two.media[0].absorption *= glm::vec3(1, 0, 0);
-    for (const std::size_t part : {1, 2}) {
+    for (const std::size_t part : {std::size_t{1}, std::size_t{2}}) {
         two.media[part].scattering *= glm::vec3(0, 1, 1);
         two.media[part].absorption *= glm::vec3(0, 1, 1);
         for (std::size_t cell = part % 2; cell < two.media[part].density.size(); cell += 2) {

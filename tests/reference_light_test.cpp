@@ -157,6 +157,9 @@ TEST(SpotSamples, FadeFromTheConeInwards) {
     light.blend = 0.0F;
     EXPECT_EQ(factor(into(-1e-6)), 0.0);
     EXPECT_EQ(factor(into(1e-6)), 1.0);
+    light.cone = 0.0F; // the axis and nothing else
+    EXPECT_EQ(factor(1.0), 1.0);
+    EXPECT_EQ(factor(1.0 - 1e-6), 0.0);
     light.cone = Light{}.cone;
     EXPECT_EQ(factor(-1.0), 1.0);
 }
