@@ -2,6 +2,7 @@
 #include "film.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -51,6 +52,15 @@ float blackman_harris_quantile(float u) {
         (cumulative_weight(middle) < static_cast<double>(u) ? low : high) = middle;
     }
     return static_cast<float>(0.5 * (low + high));
+}
+
+FilmSample first_look(int x, int y) {
+    // A pixel and its eight neighbours take nine cells of a 4 x 4 grid. In this order, found by annealing, no straight
+    // edge over a disk hides more than 0.18 of it from all nine, wherever they are; in Bayer's it is 0.26.
+    constexpr std::array<int, 16> ORDER = {4, 13, 11, 2, 14, 1, 5, 8, 3, 10, 0, 15, 9, 7, 12, 6};
+    const int cell = ORDER[static_cast<std::size_t>((y % 4) * 4 + x % 4)];
+    const auto middle = [](int share) { return (static_cast<float>(share) + 0.5F) / 4.0F; };
+    return {0.0F, 0.0F, middle(cell % 4), middle(cell / 4)};
 }
 
 std::vector<FilmSample> film_samples(int count, int turn) {

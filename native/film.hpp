@@ -17,6 +17,10 @@ std::vector<FilmSample> film_samples(int count, int turn);
 
 constexpr int FILM_TURNS = 16;
 
+// For a first look of one sample a pixel, through the pixel's centre: where on the lights, so that a shadow's rim shows
+// itself as a disagreement of neighbours. Repeats every 4 x 4 pixels.
+FilmSample first_look(int x, int y);
+
 // Blackman and Harris, over a diameter of 3 pixels: Cycles' default filter, "width 1.5".
 // Returns the position whose share of the filter's weight is u.
 float blackman_harris_quantile(float u);

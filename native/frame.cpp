@@ -36,20 +36,20 @@ struct Image {
     }
 };
 
-// The first look: every pixel once, through its centre.
-void trace_row(const Kernels &with, const FrameView &view, Output output, const std::vector<FilmSample> &turns,
-               Image &image, int y) {
+// The first look: every pixel once, through its centre, and either through the middles of the lights or spread over
+// them.
+void trace_row(const Kernels &with, const FrameView &view, Output output, bool spread, Image &image, int y) {
     const int lanes = with.lanes;
     Packet packet;
     Traced light;
     for (int x0 = 0; x0 < image.width; x0 += lanes) {
         for (int lane = 0; lane < lanes; ++lane) {
             const int x = x0 + lane;
-            const FilmSample &turn = turns[static_cast<std::size_t>(film_turn(x, y)) % turns.size()];
+            const FilmSample look = spread ? first_look(x, y) : FilmSample{0.0F, 0.0F, 0.5F, 0.5F};
             packet.u[lane] = (static_cast<float>(x) + 0.5F) / static_cast<float>(image.width);
             packet.v[lane] = (static_cast<float>(y) + 0.5F) / static_cast<float>(image.height);
-            packet.light_u[lane] = turn.light_u;
-            packet.light_v[lane] = turn.light_v;
+            packet.light_u[lane] = look.light_u;
+            packet.light_v[lane] = look.light_v;
             packet.active[lane] = x < image.width ? 1.0F : 0.0F;
         }
         with.trace(view, output, packet, light);
@@ -178,12 +178,9 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
     const std::vector<MediumView> media = views_of(media_, step_length_);
     const FrameView frame = view(camera, media);
     Image image(width, height);
-    // One turn for each pixel of a tile, so that a penumbra shows itself as a disagreement of neighbours.
     const bool refine = edge_samples > 1;
-    const std::vector<FilmSample> turns =
-        refine ? film_samples(FILM_TURNS, 0) : std::vector<FilmSample>{{0.0F, 0.0F, 0.5F, 0.5F}};
     if (!in_chunks(height, 0.0, 0.5, progress,
-                   [&](int y) { trace_row(*kernels_, frame, Output::PICTURE, turns, image, y); })) {
+                   [&](int y) { trace_row(*kernels_, frame, Output::PICTURE, refine, image, y); })) {
         return std::nullopt;
     }
     if (refine) {
@@ -217,9 +214,8 @@ std::vector<float> Frame::surfaces(const Camera &camera, int width, int height, 
     const std::vector<MediumView> media = views_of(media_, step_length_);
     const FrameView frame = view(camera, media);
     Image image(width, height);
-    const std::vector<FilmSample> centre{{0.0F, 0.0F, 0.5F, 0.5F}};
     oneapi::tbb::parallel_for(0, height, [&](int y) {
-        trace_row(*kernels_, frame, output, centre, image, y);
+        trace_row(*kernels_, frame, output, false, image, y);
         for (std::size_t pixel = image.at(0, y); pixel < image.at(0, y + 1); ++pixel) {
             image.rgba[4 * pixel + 3] = image.distance[pixel];
         }
