@@ -193,7 +193,7 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &me
         LightMapSettings map = settings.map;
         if (samples_.back().size() > 1) {
             // Each map is blurred by its neighbours: what is finer than a cell is lost anyway.
-            map.coefficients = std::min(map.coefficients, 15);
+            map.coefficients = std::min(map.coefficients, 31);
             map.texels_per_cell = std::min(map.texels_per_cell, 1.0);
         }
         maps_.emplace_back(samples_.back().size() * media_);
