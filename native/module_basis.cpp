@@ -15,10 +15,6 @@ using namespace arguments;
 
 using BasisArgument = std::variant<std::string, const Series *>;
 
-RangeKind range_kind(const std::string &kind) {
-    return static_cast<RangeKind>(one_of<4>(kind, {"whole", "minmax", "moments", "both"}, "kind"));
-}
-
 void require_coefficients(const Basis &basis, std::size_t count) {
     if (count < 1 || (basis.odd && count % 2 == 0)) {
         throw py::value_error("coefficients is " + std::to_string(count) + ", but must be " +

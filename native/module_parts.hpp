@@ -7,6 +7,7 @@
 namespace sfumato {
 
 void bind_basis(pybind11::module_ &m);
+void bind_map(pybind11::module_ &m);
 void bind_opacity(pybind11::module_ &m);
 void bind_ray_storage(pybind11::module_ &m);
 void bind_reference(pybind11::module_ &m);
