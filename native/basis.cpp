@@ -184,6 +184,23 @@ void transmittance(const Series &series, std::span<const float> coefficients, co
     }
 }
 
+void transmittance_before(const Series &series, std::span<const float> coefficients, const Range &range,
+                          const Absorbers &receivers, std::span<float> out) {
+    const Basis &basis = series.basis();
+    const glsl::DepthRange depths = shared(range);
+    const float width = receivers.width / std::max(range.high - range.low, 1e-7F);
+    const float total = total_of(series, coefficients);
+    std::vector<float> f(coefficients.size()), g(coefficients.size());
+    for (std::size_t i = 0; i < receivers.depth.size(); ++i) {
+        const float z = glsl::relative_depth(depths, receivers.depth[i]);
+        basis.density(z, width, f, series.tables);
+        basis.integral(z, g, series.tables);
+        // S(z) is the sum of F_k(z) G_k(z) in any basis; in Fourier's that is the sum of self_harmonic().
+        out[i] = glsl::transmittance_of(
+            glsl::optical_depth_of_others(dot(coefficients, g), total, receivers.tau[i], dot(f, g)));
+    }
+}
+
 Range depth_range(const Absorbers &absorbers, RangeKind kind, float q) {
     float nearest = std::numeric_limits<float>::max(), furthest = -1.0F;
     float s0 = 0.0F, s1 = 0.0F, s2 = 0.0F;

@@ -69,6 +69,10 @@ float total_of(const Series &series, std::span<const float> coefficients);
 void transmittance(const Series &series, std::span<const float> coefficients, const Range &range, Evaluator evaluator,
                    std::span<const float> depth, std::span<float> out);
 
+// The transmittance in front of each receiver that is itself among the absorbers of the ray, without its own share.
+void transmittance_before(const Series &series, std::span<const float> coefficients, const Range &range,
+                          const Absorbers &receivers, std::span<float> out);
+
 // ---- Ranges ----
 
 enum class RangeKind : std::uint8_t { WHOLE, MINMAX, MOMENTS, BOTH };

@@ -182,6 +182,25 @@ TEST(Harmonics, FromAngleSumsAreTheHarmonics) {
     }
 }
 
+// Eq 3 with the receiver's own coefficients, at its own depth, in double.
+TEST(SelfShare, IsTheSeriesOfAReceiverAtItsOwnDepth) {
+    for (int i = 0; i <= 100; ++i) {
+        const float z = float(i) / 100.0F;
+        const glsl::Harmonic first = glsl::harmonic(1.0F, z);
+        glsl::Harmonic h = first;
+        float found = z;
+        double wanted = double{z};
+        for (int k = 1; k <= 7; ++k) {
+            const double angle = 2.0 * std::numbers::pi * k * double{z};
+            const double a = 2.0 * std::cos(angle), b = 2.0 * std::sin(angle);
+            wanted += (a * std::sin(angle) + b * (1.0 - std::cos(angle))) / (2.0 * std::numbers::pi * k);
+            found += glsl::self_harmonic(h, float(k));
+            EXPECT_NEAR(found, wanted, 3e-6) << "harmonic " << k << " at " << z;
+            h = glsl::next_harmonic(h, first);
+        }
+    }
+}
+
 TEST(OpticalDepth, IsUndoneByTransmittanceAndFiniteForTheOpaque) {
     EXPECT_EQ(glsl::optical_depth_of(0.0F), 0.0F);
     for (const float alpha : {0.01F, 0.3F, 0.5F, 0.9F, 0.999F}) {
