@@ -65,7 +65,25 @@ enum class Evaluator : std::uint8_t {
 // The optical depth behind everything.
 float total_of(const Series &series, std::span<const float> coefficients);
 
-// The transmittance of a ray at each of `depth`: within [0, 1], exact before and behind the range.
+// The transmittance of rays: within [0, 1], exact before and behind the range.
+class RayEvaluator {
+public:
+    RayEvaluator(const Series &of, Evaluator how);
+
+    // At each of `depth` along one ray.
+    void operator()(std::span<const float> coefficients, const Range &range, std::span<const float> depth,
+                    std::span<float> out) const;
+
+private:
+    void monotone(std::span<const float> coefficients, const Range &range, std::span<const float> depth,
+                  std::span<float> out) const;
+
+    Series series;
+    Evaluator evaluator;
+    std::vector<float> edges; // MONOTONE: G_k at the edges of the table's cells, a row for each k
+};
+
+// One ray alone.
 void transmittance(const Series &series, std::span<const float> coefficients, const Range &range, Evaluator evaluator,
                    std::span<const float> depth, std::span<float> out);
 

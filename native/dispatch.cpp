@@ -10,6 +10,10 @@
     void light_slice(const LightSlice &);                                                                              \
     void look_up(const LightMapView &, const float *, float *, int);                                                   \
     void trace(const FrameView &, const Packet &, Light &);                                                            \
+    void harmonic_sums(const HarmonicSums &);                                                                          \
+    void weigh_rows(const WeightedRows &);                                                                             \
+    void look_up_series(const SeriesLookUp &);                                                                         \
+    void look_up_texels(const TexelLookUp &);                                                                          \
     }
 
 SFUMATO_DECLARE(baseline)
@@ -23,7 +27,8 @@ namespace {
 
 #define SFUMATO_TABLE(ISA, LANES)                                                                                      \
     Kernels {                                                                                                          \
-#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace                                      \
+#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::harmonic_sums,                 \
+            ISA::weigh_rows, ISA::look_up_series, ISA::look_up_texels                                                  \
     }
 
 std::vector<Kernels> runnable() {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "embree.hpp"
+#include "ray_kernels.hpp"
 
 #include <array>
 #include <span>
@@ -131,6 +132,10 @@ struct Kernels {
     void (*light_slice)(const LightSlice &);
     void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
     void (*trace)(const FrameView &, const Packet &, Light &);
+    void (*harmonic_sums)(const HarmonicSums &);
+    void (*weigh_rows)(const WeightedRows &);
+    void (*look_up_series)(const SeriesLookUp &);
+    void (*look_up_texels)(const TexelLookUp &);
 };
 
 // Every set of kernels that this processor runs, the widest last.

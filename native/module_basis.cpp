@@ -74,9 +74,10 @@ py::object transmittance_of_rays(const py::object &coefficients, const py::objec
     std::vector<float> out(static_cast<std::size_t>(d.size()));
     {
         const py::gil_scoped_release unlocked;
+        const RayEvaluator evaluate(series, how);
         for (std::size_t ray = 0; ray < ranges.size(); ++ray) {
-            transmittance(series, {c.data() + ray * series.count, series.count}, ranges[ray], how,
-                          {d.data() + ray * depths, depths}, std::span(out).subspan(ray * depths, depths));
+            evaluate({c.data() + ray * series.count, series.count}, ranges[ray], {d.data() + ray * depths, depths},
+                     std::span(out).subspan(ray * depths, depths));
         }
     }
     shape.push_back(static_cast<py::ssize_t>(depths));

@@ -75,6 +75,36 @@ TEST_P(EveryBasis, IsBiorthogonal) {
     }
 }
 
+// However the sums are taken, and for numbers of absorbers that no number of lanes divides.
+TEST_P(EveryBasis, ProjectsTheSumOfItsDensities) {
+    std::mt19937 generator(31);
+    std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
+    const Range range{0.2F, 0.7F};
+    for (const std::size_t count : {0U, 1U, 3U, 17U, 64U, 301U}) {
+        for (const float width : {0.0F, 0.05F}) {
+            Profile ray{{}, {}, width};
+            for (std::size_t i = 0; i < count; ++i) {
+                ray.depth.push_back(uniform(generator));
+                ray.tau.push_back(uniform(generator));
+            }
+            const Series s = series();
+            std::vector<double> sums(s.count, 0.0);
+            std::vector<float> f(s.count);
+            for (std::size_t i = 0; i < count; ++i) {
+                const float z = std::clamp((ray.depth[i] - range.low) / (range.high - range.low), 0.0F, 1.0F);
+                s.basis().density(z, width / (range.high - range.low), f, s.tables);
+                for (std::size_t k = 0; k < s.count; ++k) {
+                    sums[k] += double{ray.tau[i]} * double{f[k]};
+                }
+            }
+            const auto c = coefficients(s, ray, range);
+            for (std::size_t k = 0; k < s.count; ++k) {
+                EXPECT_NEAR(c[k], sums[k], 2e-6 * double(count + 10)) << k << " of " << count << " " << width;
+            }
+        }
+    }
+}
+
 TEST_P(EveryBasis, IsExactBeforeAndBehindItsRange) {
     for (const Range range : {Range{0.0F, 1.0F}, Range{0.25F, 0.75F}, Range{0.5F, 0.5F}}) {
         for (const Evaluator evaluator : {Evaluator::CLAMP, Evaluator::MONOTONE}) {

@@ -24,13 +24,16 @@ FRAMES = {
 
 @dataclass(frozen=True)
 class Rays:
-    """Absorbers (rays, n), and receivers (rays, d) with the exact share of light that reaches them."""
+    """Absorbers (rays, n), and receivers (rays, d) with the exact share of light that reaches them. `texel` says which
+    of the side x side texels of its map each ray is, where there is a map; those without smoke are left out."""
 
     depth: np.ndarray
     optical_depth: np.ndarray
     receivers: np.ndarray
     exact: np.ndarray
     width: float = 0.0
+    texel: np.ndarray | None = None
+    side: int = 0
 
     def every(self, stride: int) -> Rays:
         some = slice(None, None, stride)
@@ -128,4 +131,4 @@ def smoke_frame(case: str, direction: tuple[float, float, float], side: int = 24
     start = np.broadcast_to(world(xy, np.zeros((len(xy), 1))), (*receivers.shape, 3))
     exact = np.exp(-extinction * sfumato.reference.column(scene, start, world(xy, receivers)))
     depth = np.broadcast_to((np.arange(slabs) + 0.5) / slabs, tau.shape)
-    return Rays(np.ascontiguousarray(depth), tau, receivers, exact, 1.0 / slabs)
+    return Rays(np.ascontiguousarray(depth), tau, receivers, exact, 1.0 / slabs, np.flatnonzero(hit), side)
