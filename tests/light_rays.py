@@ -35,6 +35,18 @@ class Rays:
     texel: np.ndarray | None = None
     side: int = 0
 
+    def in_single_precision(self) -> Rays:
+        """What the module takes without converting it, for timing."""
+        arrays = (self.depth, self.optical_depth, self.receivers, self.exact)
+        return Rays(*(np.ascontiguousarray(a, np.float32) for a in arrays), self.width)
+
+    def on_map(self) -> tuple[np.ndarray, np.ndarray]:
+        """Depth and optical depth (side, side, n), with nothing where there is no smoke."""
+        out = np.zeros((2, self.side * self.side, self.depth.shape[1]))
+        out[:, self.texel] = self.depth, self.optical_depth
+        depth, tau = out.reshape(2, self.side, self.side, -1)
+        return depth, tau
+
     def every(self, stride: int) -> Rays:
         some = slice(None, None, stride)
         return Rays(self.depth[some], self.optical_depth[some], self.receivers[some], self.exact[some], self.width)
