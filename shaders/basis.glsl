@@ -119,7 +119,7 @@ float eight_bit_ratio(float level)
 
 float stored_depth(float code)
 {
-  return (code - ZERO_DEPTH) * (1.0f / UNIT_DEPTH);
+  return (code - ZERO_DEPTH) / UNIT_DEPTH;
 }
 
 float depth_code(float z)
