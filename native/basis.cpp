@@ -221,6 +221,36 @@ void transmittance_before(const Series &series, std::span<const float> coefficie
     }
 }
 
+namespace {
+
+// Thin smoke around a ray's core widens its range and takes coefficients from what can be seen: without it real smoke
+// has two thirds to a half of the error. What is left out counts at the ends. So it changes T by at most TRIM in front,
+// and behind by less, since T is small there; it must be small in optical depth all the same, for a large amount at the
+// very end would ring through the whole range.
+glsl::DepthRange trimmed_range(const Absorbers &absorbers, glsl::DepthRange otherwise) {
+    std::vector<std::size_t> order(absorbers.depth.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return absorbers.depth[a] < absorbers.depth[b]; });
+    double total = 0.0;
+    for (const float tau : absorbers.tau) {
+        total += double{tau};
+    }
+    const auto edge = [&](auto first, auto last, double most) { // the absorber with which `most` is passed
+        double sum = 0.0;
+        return std::find_if(first, last, [&](std::size_t i) { return (sum += double{absorbers.tau[i]}) > most; });
+    };
+    const auto front = edge(order.begin(), order.end(), TRIM * std::min(total, 1.0));
+    const auto back = edge(order.rbegin(), order.rend(), TRIM * total);
+    if (front == order.end() || back == order.rend() || absorbers.depth[*front] > absorbers.depth[*back]) {
+        return otherwise; // hardly anything at all
+    }
+    return glsl::padded_range(absorbers.depth[*front] - 0.5F * absorbers.width,
+                              absorbers.depth[*back] + 0.5F * absorbers.width);
+}
+
+} // namespace
+
 Range depth_range(const Absorbers &absorbers, RangeKind kind, float q) {
     float nearest = std::numeric_limits<float>::max(), furthest = -1.0F;
     float s0 = 0.0F, s1 = 0.0F, s2 = 0.0F;
@@ -241,6 +271,7 @@ Range depth_range(const Absorbers &absorbers, RangeKind kind, float q) {
     const glsl::DepthRange moments = glsl::moment_range(s0, s1, s2, q);
     return storable(ours(kind == RangeKind::MINMAX    ? padded
                          : kind == RangeKind::MOMENTS ? moments
+                         : kind == RangeKind::TRIMMED ? trimmed_range(absorbers, padded)
                                                       : glsl::common_range(padded, moments)));
 }
 

@@ -73,7 +73,7 @@ std::string Choice::name() const {
     if (curve) {
         return "curve";
     }
-    const std::array<const char *, 4> suffix = {"", "-range", "-moments", "-both"};
+    const std::array<const char *, 5> suffix = {"", "-range", "-moments", "-both", "-trimmed"};
     return series.basis().name + std::string(suffix[static_cast<std::size_t>(range)]);
 }
 
@@ -122,7 +122,7 @@ Choice choose_basis(std::span<const Absorbers> rays, std::size_t bytes, bool add
         candidates.emplace_back().curve = true;
     }
     for (const BasisName name : {COSINE, LEARNED, FOURIER, PIECEWISE}) {
-        for (const RangeKind range : {RangeKind::MINMAX, RangeKind::BOTH}) {
+        for (const RangeKind range : {RangeKind::MINMAX, RangeKind::TRIMMED, RangeKind::BOTH}) {
             Choice &choice = candidates.emplace_back();
             choice.range = range;
             choice.series = {name, coefficients_in(name, bytes), {}};

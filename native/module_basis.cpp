@@ -256,7 +256,8 @@ that receive, width as in project. Returns (..., n) in [0, 1].
           R"(Low and high depth of the absorbers of each ray: (..., 2) float32, as a texel can store them.
 
 kind 'whole': 0 and 1; 'minmax': all of them, with 5 % and .001 to spare; 'moments': mean -+ q standard deviations,
-which can be had from sums; 'both': what the last two have in common. depth, optical_depth, width as in project.
+which can be had from sums; 'both': what the last two have in common; 'trimmed': as
+'minmax', without the thin ends that hold .002 of the optical depth each. depth, optical_depth, width as in project.
 
 >>> import numpy as np
 >>> depth_range(np.array([0.25, 0.75]), np.array([1.0, 1.0])).astype(float).round(3).tolist()

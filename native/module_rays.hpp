@@ -47,7 +47,7 @@ std::size_t one_of(const std::string &given, const std::array<const char *, N> &
 }
 
 inline RangeKind range_kind(const std::string &kind) {
-    return static_cast<RangeKind>(one_of<4>(kind, {"whole", "minmax", "moments", "both"}, "kind"));
+    return static_cast<RangeKind>(one_of<5>(kind, {"whole", "minmax", "moments", "both", "trimmed"}, "kind"));
 }
 
 // Checked absorbers of many rays.
