@@ -84,7 +84,8 @@ std::array<float, 3> halving_weights(std::size_t i, std::size_t length) {
     if (length % 2 == 0) {
         return {0.5F, 0.5F, 0.0F};
     }
-    const auto n = static_cast<double>(length), m = static_cast<double>(length / 2), at = static_cast<double>(i);
+    const std::size_t half = length / 2;
+    const auto n = static_cast<double>(length), m = static_cast<double>(half), at = static_cast<double>(i);
     return {static_cast<float>((m - at) / n), static_cast<float>(m / n), static_cast<float>((at + 1.0) / n)};
 }
 

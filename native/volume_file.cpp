@@ -2,6 +2,7 @@
 #include "volume_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -114,9 +115,9 @@ openvdb::GridBase::Ptr header_of(openvdb::io::File &file, const std::string &nam
 
 // In 64 bits: the extents of a box from one end of the index space to the other overflow 32.
 void require_room(const openvdb::CoordBBox &box, const std::string &name) {
-    std::int64_t size[3];
+    std::array<std::int64_t, 3> size{};
     double cells = 1.0;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
         size[axis] = std::int64_t{box.max()[axis]} - box.min()[axis] + 1;
         cells *= static_cast<double>(size[axis]);
     }
