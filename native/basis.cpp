@@ -2,10 +2,12 @@
 #include "basis.hpp"
 
 #include "glsl.hpp"
+#include "kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace sfumato {
 namespace {
@@ -110,6 +112,8 @@ Range ours(const glsl::DepthRange &range) {
     return {range.low, range.high};
 }
 
+constexpr std::size_t CELLS = 128; // of the monotone evaluator's table
+
 float dot(std::span<const float> a, std::span<const float> b) {
     float sum = 0.0F;
     for (std::size_t k = 0; k < a.size(); ++k) {
@@ -127,62 +131,125 @@ const std::array<Basis, 4> BASES = {{
     {"learned", false, true, learned_density, learned_integral},
 }};
 
-void project(const Series &series, const Absorbers &absorbers, const Range &range, std::span<float> coefficients) {
-    const Basis &basis = series.basis();
-    const glsl::DepthRange depths = shared(range);
-    const float width = absorbers.width / std::max(range.high - range.low, 1e-7F);
-    std::vector<float> f(coefficients.size());
-    for (std::size_t i = 0; i < absorbers.depth.size(); ++i) {
-        basis.density(glsl::relative_depth(depths, absorbers.depth[i]), width, f, series.tables);
-        for (std::size_t k = 0; k < f.size(); ++k) {
-            coefficients[k] += absorbers.tau[i] * f[k];
+float total_of(const Series &series, std::span<const float> coefficients) {
+    if (series.basis().leading) { // G_0(1) c_0
+        return std::max(coefficients[0] * (series.name == FOURIER ? 0.5F : 1.0F), 0.0F);
+    }
+    return std::max(std::accumulate(coefficients.begin(), coefficients.end(), 0.0F), 0.0F); // slices
+}
+
+RayEvaluator::RayEvaluator(const Series &of, Evaluator how) : series(of), evaluator(how) {
+    if (evaluator == Evaluator::MONOTONE) {
+        std::vector<float> g(series.count);
+        edges.resize(series.count * CELLS);
+        for (std::size_t i = 0; i < CELLS; ++i) {
+            series.basis().integral(number(i) / CELLS, g, series.tables);
+            for (std::size_t k = 0; k < g.size(); ++k) {
+                edges[k * CELLS + i] = g[k];
+            }
         }
     }
 }
 
-float total_of(const Series &series, std::span<const float> coefficients) {
+void RayEvaluator::operator()(std::span<const float> coefficients, const Range &range, std::span<const float> depth,
+                              std::span<float> out) const {
+    if (evaluator == Evaluator::MONOTONE) {
+        monotone(coefficients, range, depth, out);
+        return;
+    }
+    const bool half = series.name == COSINE;
+    if (half || series.name == FOURIER) {
+        const std::array<float, 2> ends{range.low, range.high};
+        const auto all = static_cast<int>(depth.size());
+        kernels().look_up_series({coefficients.data(), ends.data(), static_cast<int>(series.count), half, depth.data(),
+                                  out.data(), all, all});
+        return;
+    }
     std::vector<float> g(coefficients.size());
-    series.basis().integral(1.0F, g, series.tables);
-    const std::size_t carriers = series.basis().leading ? 1 : g.size();
-    return std::max(dot(coefficients.first(carriers), std::span(g).first(carriers)), 0.0F);
+    const float total = total_of(series, coefficients);
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        series.basis().integral(glsl::relative_depth(shared(range), depth[i]), g, series.tables);
+        out[i] = glsl::transmittance_of(std::clamp(dot(coefficients, g), 0.0F, total));
+    }
+}
+
+void RayEvaluator::monotone(std::span<const float> coefficients, const Range &range, std::span<const float> depth,
+                            std::span<float> out) const {
+    const float total = total_of(series, coefficients);
+    std::array<float, CELLS + 1> tau{}, most{}, least{};
+    kernels().weigh_rows({edges.data(), coefficients.data(), coefficients.size(), CELLS, tau.data()});
+    for (float &value : tau) {
+        value = std::clamp(value, 0.0F, total);
+    }
+    least.back() = total;
+    for (std::size_t i = 1; i < CELLS; ++i) { // from both ends at once: neither waits for the other
+        most[i] = std::max(most[i - 1], tau[i]);
+        least[CELLS - i] = std::min(least[CELLS - i + 1], tau[CELLS - i]);
+    }
+    for (std::size_t i = 1; i < CELLS; ++i) {
+        tau[i] = 0.5F * (most[i] + least[i]);
+    }
+    tau.front() = 0.0F; // both ends are exact
+    tau.back() = total;
+    const float scale = CELLS / std::max(range.high - range.low, 1e-7F); // relative_depth() and table_position() in one
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        const float x = std::clamp((depth[i] - range.low) * scale, 0.0F, number(CELLS));
+        const std::size_t cell = std::min(static_cast<std::size_t>(x), CELLS - 1);
+        out[i] = glsl::transmittance_of(tau[cell] + (x - number(cell)) * (tau[cell + 1] - tau[cell]));
+    }
 }
 
 void transmittance(const Series &series, std::span<const float> coefficients, const Range &range, Evaluator evaluator,
                    std::span<const float> depth, std::span<float> out) {
-    constexpr std::size_t CELLS = 128;
-    std::vector<float> g(coefficients.size());
-    const auto integral = [&](float d) {
-        series.basis().integral(d, g, series.tables);
-        return dot(coefficients, g);
-    };
-    const float total = total_of(series, coefficients);
-    std::array<float, CELLS + 1> table{};
-    if (evaluator == Evaluator::MONOTONE) {
-        for (std::size_t i = 1; i <= CELLS; ++i) {
-            table[i] = std::max(table[i - 1], std::clamp(integral(number(i) / CELLS), 0.0F, total));
-        }
-        // The running minimum of the values themselves, from behind, where the total is exact.
-        float least = total;
-        table[CELLS] = total;
-        for (std::size_t i = CELLS - 1; i > 0; --i) {
-            least = std::min(least, std::clamp(integral(number(i) / CELLS), 0.0F, total));
-            table[i] = 0.5F * (table[i] + least);
-        }
-    }
+    RayEvaluator(series, evaluator)(coefficients, range, depth, out);
+}
+
+void transmittance_before(const Series &series, std::span<const float> coefficients, const Range &range,
+                          const Absorbers &receivers, std::span<float> out) {
+    const Basis &basis = series.basis();
     const glsl::DepthRange depths = shared(range);
-    for (std::size_t i = 0; i < depth.size(); ++i) {
-        const float d = glsl::relative_depth(depths, depth[i]);
-        float tau = 0.0F;
-        if (evaluator == Evaluator::MONOTONE) {
-            const glsl::TablePosition at = glsl::table_position(d, CELLS);
-            const auto cell = static_cast<std::size_t>(at.cell);
-            tau = table[cell] + at.fraction * (table[cell + 1] - table[cell]);
-        } else {
-            tau = std::clamp(integral(d), 0.0F, total);
-        }
-        out[i] = glsl::transmittance_of(tau);
+    const float width = receivers.width / std::max(range.high - range.low, 1e-7F);
+    const float total = total_of(series, coefficients);
+    std::vector<float> f(coefficients.size()), g(coefficients.size());
+    for (std::size_t i = 0; i < receivers.depth.size(); ++i) {
+        const float z = glsl::relative_depth(depths, receivers.depth[i]);
+        basis.density(z, width, f, series.tables);
+        basis.integral(z, g, series.tables);
+        // S(z) is the sum of F_k(z) G_k(z) in any basis; in Fourier's that is the sum of self_harmonic().
+        out[i] = glsl::transmittance_of(
+            glsl::optical_depth_of_others(dot(coefficients, g), total, receivers.tau[i], dot(f, g)));
     }
 }
+
+namespace {
+
+// Thin smoke around a ray's core widens its range and takes coefficients from what can be seen: without it real smoke
+// has two thirds to a half of the error. What is left out counts at the ends. So it changes T by at most TRIM in front,
+// and behind by less, since T is small there; it must be small in optical depth all the same, for a large amount at the
+// very end would ring through the whole range.
+glsl::DepthRange trimmed_range(const Absorbers &absorbers, glsl::DepthRange otherwise) {
+    std::vector<std::size_t> order(absorbers.depth.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return absorbers.depth[a] < absorbers.depth[b]; });
+    double total = 0.0;
+    for (const float tau : absorbers.tau) {
+        total += double{tau};
+    }
+    const auto edge = [&](auto first, auto last, double most) { // the absorber with which `most` is passed
+        double sum = 0.0;
+        return std::find_if(first, last, [&](std::size_t i) { return (sum += double{absorbers.tau[i]}) > most; });
+    };
+    const auto front = edge(order.begin(), order.end(), TRIM * std::min(total, 1.0));
+    const auto back = edge(order.rbegin(), order.rend(), TRIM * total);
+    if (front == order.end() || back == order.rend() || absorbers.depth[*front] > absorbers.depth[*back]) {
+        return otherwise; // hardly anything at all
+    }
+    return glsl::padded_range(absorbers.depth[*front] - 0.5F * absorbers.width,
+                              absorbers.depth[*back] + 0.5F * absorbers.width);
+}
+
+} // namespace
 
 Range depth_range(const Absorbers &absorbers, RangeKind kind, float q) {
     float nearest = std::numeric_limits<float>::max(), furthest = -1.0F;
@@ -204,6 +271,7 @@ Range depth_range(const Absorbers &absorbers, RangeKind kind, float q) {
     const glsl::DepthRange moments = glsl::moment_range(s0, s1, s2, q);
     return storable(ours(kind == RangeKind::MINMAX    ? padded
                          : kind == RangeKind::MOMENTS ? moments
+                         : kind == RangeKind::TRIMMED ? trimmed_range(absorbers, padded)
                                                       : glsl::common_range(padded, moments)));
 }
 

@@ -65,16 +65,41 @@ enum class Evaluator : std::uint8_t {
 // The optical depth behind everything.
 float total_of(const Series &series, std::span<const float> coefficients);
 
-// The transmittance of a ray at each of `depth`: within [0, 1], exact before and behind the range.
+// The transmittance of rays: within [0, 1], exact before and behind the range.
+class RayEvaluator {
+public:
+    RayEvaluator(const Series &of, Evaluator how);
+
+    // At each of `depth` along one ray.
+    void operator()(std::span<const float> coefficients, const Range &range, std::span<const float> depth,
+                    std::span<float> out) const;
+
+private:
+    void monotone(std::span<const float> coefficients, const Range &range, std::span<const float> depth,
+                  std::span<float> out) const;
+
+    Series series;
+    Evaluator evaluator;
+    std::vector<float> edges; // MONOTONE: G_k at the edges of the table's cells, a row for each k
+};
+
+// One ray alone.
 void transmittance(const Series &series, std::span<const float> coefficients, const Range &range, Evaluator evaluator,
                    std::span<const float> depth, std::span<float> out);
 
+// The transmittance in front of each receiver that is itself among the absorbers of the ray, without its own share.
+void transmittance_before(const Series &series, std::span<const float> coefficients, const Range &range,
+                          const Absorbers &receivers, std::span<float> out);
+
 // ---- Ranges ----
 
-enum class RangeKind : std::uint8_t { WHOLE, MINMAX, MOMENTS, BOTH };
+enum class RangeKind : std::uint8_t { WHOLE, MINMAX, MOMENTS, BOTH, TRIMMED };
 
-// The range that holds a ray's absorbers: padded_range(), moment_range() with q, or what the two have in common,
+// The range that holds a ray's absorbers: padded_range(), moment_range() with q, what the two have in common, or
+// padded_range() of the ray without its thin ends, which hold a share TRIM of the optical depth each, and in front no
+// more of it than TRIM;
 // rounded outwards to what a texel can hold: the range of the projection must be that of the evaluation.
+constexpr double TRIM = 0.002;
 Range depth_range(const Absorbers &absorbers, RangeKind kind, float q);
 
 // ---- Storage ----

@@ -73,7 +73,7 @@ std::string Choice::name() const {
     if (curve) {
         return "curve";
     }
-    const std::array<const char *, 4> suffix = {"", "-range", "-moments", "-both"};
+    const std::array<const char *, 5> suffix = {"", "-range", "-moments", "-both", "-trimmed"};
     return series.basis().name + std::string(suffix[static_cast<std::size_t>(range)]);
 }
 
@@ -92,15 +92,21 @@ void store(const Choice &choice, const Absorbers &ray, std::span<std::uint8_t> t
     pack(choice.series, coefficients, range, texel);
 }
 
-void look_up(const Choice &choice, std::span<const std::uint8_t> texel, std::span<const float> depth,
+void look_up(const Choice &choice, std::span<const std::uint8_t> texels, std::span<const float> depth,
              std::span<float> out) {
     if (choice.curve) {
-        curve_transmittance(texel, depth, out);
+        curve_transmittance(texels, depth, out);
         return;
     }
+    const std::size_t bytes = choice.bytes(), rays = texels.size() / bytes;
+    const std::size_t receivers = depth.size() / std::max<std::size_t>(rays, 1);
+    const RayEvaluator evaluate(choice.series, choice.evaluator);
     std::vector<float> coefficients(choice.series.count);
-    const Range range = unpack(choice.series, texel, coefficients);
-    transmittance(choice.series, coefficients, range, choice.evaluator, depth, out);
+    for (std::size_t ray = 0; ray < rays; ++ray) {
+        const Range range = unpack(choice.series, texels.subspan(ray * bytes, bytes), coefficients);
+        evaluate(coefficients, range, depth.subspan(ray * receivers, receivers),
+                 out.subspan(ray * receivers, receivers));
+    }
 }
 
 Choice choose_basis(std::span<const Absorbers> rays, std::size_t bytes, bool additive) {
@@ -116,7 +122,7 @@ Choice choose_basis(std::span<const Absorbers> rays, std::size_t bytes, bool add
         candidates.emplace_back().curve = true;
     }
     for (const BasisName name : {COSINE, LEARNED, FOURIER, PIECEWISE}) {
-        for (const RangeKind range : {RangeKind::MINMAX, RangeKind::BOTH}) {
+        for (const RangeKind range : {RangeKind::MINMAX, RangeKind::TRIMMED, RangeKind::BOTH}) {
             Choice &choice = candidates.emplace_back();
             choice.range = range;
             choice.series = {name, coefficients_in(name, bytes), {}};

@@ -18,9 +18,9 @@ struct Choice {
     [[nodiscard]] std::size_t bytes() const; // a texel
 };
 
-// One ray to a texel, and its transmittance back.
+// One ray to a texel, and the transmittance of as many as there are texels back, each at its share of `depth`.
 void store(const Choice &choice, const Absorbers &ray, std::span<std::uint8_t> texel);
-void look_up(const Choice &choice, std::span<const std::uint8_t> texel, std::span<const float> depth,
+void look_up(const Choice &choice, std::span<const std::uint8_t> texels, std::span<const float> depth,
              std::span<float> out);
 
 // What every candidate makes of the sample in at most `bytes` a texel decides; all have the ray's own range, without

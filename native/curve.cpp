@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "curve.hpp"
 
-#include "glsl.hpp"
+#include "kernels.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
 #include <tuple>
 
 namespace sfumato {
@@ -55,28 +55,16 @@ std::vector<CurveVertex> exact_curve(const Absorbers &absorbers) {
     return out;
 }
 
-void curve_transmittance(std::span<const std::uint8_t> texel, std::span<const float> depth, std::span<float> out) {
-    const TexelHead head = read_head(texel);
-    const float total = glsl::transmittance_of(head.total);
-    glsl::DepthRange range;
-    range.low = head.range.low;
-    range.high = head.range.high;
-    std::array<float, CURVE_KNOTS + 2> z{}, lost{}; // z from 0 to 1, the light lost from 0 to 1 - total
-    z.back() = 1.0F;
-    lost.back() = 1.0F - total;
-    float share = 0.0F;
-    for (std::size_t k = 0; k < CURVE_KNOTS; ++k) {
-        z[k + 1] = glsl::next_knot(z[k], static_cast<float>(texel[HEAD_BYTES + k]) / 255.0F);
-        share = glsl::next_knot(share, static_cast<float>(texel[HEAD_BYTES + CURVE_KNOTS + k]) / 255.0F);
-        lost[k + 1] = (1.0F - total) * share;
-    }
-    for (std::size_t i = 0; i < depth.size(); ++i) {
-        const float d = glsl::relative_depth(range, depth[i]);
-        float inside = 1.0F;
-        for (std::size_t k = 0; k + 1 < z.size(); ++k) {
-            inside -= glsl::line_drop(d, z[k], z[k + 1], lost[k + 1] - lost[k]);
-        }
-        out[i] = glsl::curve_transmittance(depth[i], range, inside, total);
+void curve_transmittance(std::span<const std::uint8_t> texels, std::span<const float> depth, std::span<float> out) {
+    constexpr std::size_t PIECE = 1024; // texels at a time, in words
+    static_assert(CURVE_BYTES == RAY_WORDS * sizeof(std::int32_t));
+    const std::size_t rays = texels.size() / CURVE_BYTES, receivers = depth.size() / std::max<std::size_t>(rays, 1);
+    std::vector<std::int32_t> words(std::min(rays, PIECE) * RAY_WORDS);
+    for (std::size_t first = 0; first < rays; first += PIECE) {
+        const std::size_t count = std::min(PIECE, rays - first);
+        std::memcpy(words.data(), texels.data() + first * CURVE_BYTES, count * CURVE_BYTES);
+        kernels().look_up_texels({words.data(), true, depth.data() + first * receivers, out.data() + first * receivers,
+                                  static_cast<int>(receivers), static_cast<int>(count * receivers)});
     }
 }
 

@@ -23,6 +23,7 @@ std::vector<CurveVertex> exact_curve(const Absorbers &absorbers);
 // Depths must not fall and transmittance must not rise. The far end stays exact.
 void fit_curve(std::span<const CurveVertex> vertices, std::span<std::uint8_t> texel);
 
-void curve_transmittance(std::span<const std::uint8_t> texel, std::span<const float> depth, std::span<float> out);
+// The transmittance of as many rays as there are texels, each at its share of `depth`.
+void curve_transmittance(std::span<const std::uint8_t> texels, std::span<const float> depth, std::span<float> out);
 
 } // namespace sfumato

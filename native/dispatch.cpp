@@ -12,6 +12,10 @@
     void look_up(const LightMapView &, const float *, float *, int);                                                   \
     void trace(const FrameView &, Output, const Packet &, Traced &);                                                   \
     void integrate_lights(const LightBatch<float> &);                                                                  \
+    void harmonic_sums(const HarmonicSums &);                                                                          \
+    void weigh_rows(const WeightedRows &);                                                                             \
+    void look_up_series(const SeriesLookUp &);                                                                         \
+    void look_up_texels(const TexelLookUp &);                                                                          \
     }
 
 SFUMATO_DECLARE(baseline)
@@ -25,7 +29,8 @@ namespace {
 
 #define SFUMATO_TABLE(ISA, LANES)                                                                                      \
     Kernels {                                                                                                          \
-#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::integrate_lights               \
+#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::integrate_lights,              \
+            ISA::harmonic_sums, ISA::weigh_rows, ISA::look_up_series, ISA::look_up_texels                              \
     }
 
 std::vector<Kernels> runnable() {

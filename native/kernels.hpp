@@ -5,6 +5,7 @@
 #pragma once
 
 #include "embree.hpp"
+#include "ray_kernels.hpp"
 #include "scene.hpp"
 
 #include <array>
@@ -168,6 +169,10 @@ struct Kernels {
     void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
     void (*trace)(const FrameView &, Output, const Packet &, Traced &);
     void (*integrate_lights)(const LightBatch<float> &);
+    void (*harmonic_sums)(const HarmonicSums &);
+    void (*weigh_rows)(const WeightedRows &);
+    void (*look_up_series)(const SeriesLookUp &);
+    void (*look_up_texels)(const TexelLookUp &);
 };
 
 // Every set of kernels that this processor runs, the widest last.

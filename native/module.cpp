@@ -34,6 +34,7 @@ PYBIND11_MODULE(sfumato, m) {
     m.attr("instruction_set") = kernels().name;
     bind_area_light(m);
     bind_basis(m);
+    bind_map(m);
     bind_opacity(m);
     bind_ray_storage(m);
 

@@ -15,10 +15,6 @@ using namespace arguments;
 
 using BasisArgument = std::variant<std::string, const Series *>;
 
-RangeKind range_kind(const std::string &kind) {
-    return static_cast<RangeKind>(one_of<4>(kind, {"whole", "minmax", "moments", "both"}, "kind"));
-}
-
 void require_coefficients(const Basis &basis, std::size_t count) {
     if (count < 1 || (basis.odd && count % 2 == 0)) {
         throw py::value_error("coefficients is " + std::to_string(count) + ", but must be " +
@@ -78,13 +74,35 @@ py::object transmittance_of_rays(const py::object &coefficients, const py::objec
     std::vector<float> out(static_cast<std::size_t>(d.size()));
     {
         const py::gil_scoped_release unlocked;
+        const RayEvaluator evaluate(series, how);
         for (std::size_t ray = 0; ray < ranges.size(); ++ray) {
-            transmittance(series, {c.data() + ray * series.count, series.count}, ranges[ray], how,
-                          {d.data() + ray * depths, depths}, std::span(out).subspan(ray * depths, depths));
+            evaluate({c.data() + ray * series.count, series.count}, ranges[ray], {d.data() + ray * depths, depths},
+                     std::span(out).subspan(ray * depths, depths));
         }
     }
     shape.push_back(static_cast<py::ssize_t>(depths));
     return as_given(given, to_numpy(std::move(out), shape));
+}
+
+py::object transmittance_before_receivers(const py::object &coefficients, const py::object &depth,
+                                          const py::object &optical_depth, const BasisArgument &basis,
+                                          const OptionalFloats &range, float width) {
+    const Floats c(any_array(coefficients, "coefficients"));
+    const Rays receivers(depth, optical_depth, width);
+    require_same_batch(batch_of(c, "coefficients"), "coefficients, " + shape_of(c), receivers.z);
+    const Series series = series_of(basis, last_axis(c));
+    require_finite(c, "coefficients");
+    const std::vector<Range> ranges = ranges_of(range, receivers.shape);
+    const std::size_t each = last_axis(receivers.z);
+    std::vector<float> out(receivers.count * each);
+    {
+        const py::gil_scoped_release unlocked;
+        for (std::size_t ray = 0; ray < receivers.count; ++ray) {
+            transmittance_before(series, {c.data() + ray * series.count, series.count}, ranges[ray], receivers.at(ray),
+                                 std::span(out).subspan(ray * each, each));
+        }
+    }
+    return as_given(receivers.given, to_numpy(std::move(out), receivers.shape_with(each)));
 }
 
 py::array_t<float> range_of_rays(const py::object &depth, const py::object &optical_depth, const std::string &kind,
@@ -217,12 +235,29 @@ of its running maximum from the front and its running minimum from behind, which
 >>> transmittance(project(np.array([0.5]), np.array([np.log(2.0)])), np.array([0.0, 1.0])).round(6).tolist()
 [1.0, 0.5]
 )");
+    m.def("transmittance_before", &transmittance_before_receivers, py::arg("coefficients"), py::arg("depth"),
+          py::arg("optical_depth"), py::arg("basis") = "fourier", py::arg("range") = py::none(),
+          py::arg("width") = 0.0F,
+          R"(The share of light that reaches the front of receivers which are among the absorbers, such as strands of
+hair: what the series holds of a receiver's own optical depth is taken off (shaders/opacity.glsl, self_harmonic).
+
+coefficients (..., m) with the basis and range of project, of all absorbers; depth and optical_depth (..., n) of those
+that receive, width as in project. Returns (..., n) in [0, 1].
+
+>>> import numpy as np
+>>> alone = np.array([0.3]), np.array([1.0])
+>>> transmittance_before(project(*alone), *alone).tolist()
+[1.0]
+>>> transmittance(project(*alone), alone[0]).round(2).tolist()
+[0.64]
+)");
     m.def("depth_range", &range_of_rays, py::arg("depth"), py::arg("optical_depth"), py::arg("kind") = "minmax",
           py::arg("q") = 3.0F, py::arg("width") = 0.0F,
           R"(Low and high depth of the absorbers of each ray: (..., 2) float32, as a texel can store them.
 
 kind 'whole': 0 and 1; 'minmax': all of them, with 5 % and .001 to spare; 'moments': mean -+ q standard deviations,
-which can be had from sums; 'both': what the last two have in common. depth, optical_depth, width as in project.
+which can be had from sums; 'both': what the last two have in common; 'trimmed': as
+'minmax', without the thin ends that hold .002 of the optical depth each. depth, optical_depth, width as in project.
 
 >>> import numpy as np
 >>> depth_range(np.array([0.25, 0.75]), np.array([1.0, 1.0])).astype(float).round(3).tolist()

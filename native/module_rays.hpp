@@ -46,6 +46,10 @@ std::size_t one_of(const std::string &given, const std::array<const char *, N> &
     throw py::value_error(name + " is '" + given + "', but must be one of " + all);
 }
 
+inline RangeKind range_kind(const std::string &kind) {
+    return static_cast<RangeKind>(one_of<5>(kind, {"whole", "minmax", "moments", "both", "trimmed"}, "kind"));
+}
+
 // Checked absorbers of many rays.
 struct Rays {
     Rays(const py::object &depth, const py::object &optical_depth, float slab_width)

@@ -37,10 +37,7 @@ py::array_t<float> look_up_rays(const Choice &choice, const Bytes &texels, const
     std::vector<float> out(static_cast<std::size_t>(depth.size()));
     {
         const py::gil_scoped_release unlocked;
-        for (std::size_t ray = 0; depths > 0 && ray < out.size() / depths; ++ray) {
-            look_up(choice, {texels.data() + ray * bytes, bytes}, {depth.data() + ray * depths, depths},
-                    std::span(out).subspan(ray * depths, depths));
-        }
+        look_up(choice, {texels.data(), static_cast<std::size_t>(texels.size())}, {depth.data(), out.size()}, out);
     }
     shape.push_back(static_cast<py::ssize_t>(depths));
     return to_numpy(std::move(out), shape);

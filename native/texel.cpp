@@ -11,17 +11,6 @@
 namespace sfumato {
 namespace {
 
-// Depths in 16 bits from -1/6 to 7/6, since ranges are padded; 0 and 1 are among them.
-constexpr float ZERO_DEPTH = 8192.0F, UNIT_DEPTH = 49152.0F;
-
-float depth_code(float z) {
-    return std::clamp(ZERO_DEPTH + z * UNIT_DEPTH, 0.0F, 65535.0F);
-}
-
-float depth_of(float code) {
-    return (code - ZERO_DEPTH) / UNIT_DEPTH;
-}
-
 void put(std::span<std::uint8_t> texel, std::size_t at, unsigned value) {
     texel[at] = static_cast<std::uint8_t>(value & 255U);
     texel[at + 1] = static_cast<std::uint8_t>(value >> 8U);
@@ -47,18 +36,19 @@ float bound(const Series &series, std::size_t k) {
 } // namespace
 
 Range storable(const Range &range) {
-    return {depth_of(std::floor(depth_code(range.low))), depth_of(std::ceil(depth_code(range.high)))};
+    return {glsl::stored_depth(std::floor(glsl::depth_code(range.low))),
+            glsl::stored_depth(std::ceil(glsl::depth_code(range.high)))};
 }
 
 TexelHead write_head(const Range &range, float total, std::span<std::uint8_t> texel) {
-    put(texel, 0, static_cast<unsigned>(std::floor(depth_code(range.low))));
-    put(texel, 2, static_cast<unsigned>(std::ceil(depth_code(range.high))));
+    put(texel, 0, static_cast<unsigned>(std::floor(glsl::depth_code(range.low))));
+    put(texel, 2, static_cast<unsigned>(std::ceil(glsl::depth_code(range.high))));
     put(texel, 4, glm::packHalf1x16(std::min(total, 65504.0F)));
     return read_head(texel);
 }
 
 TexelHead read_head(std::span<const std::uint8_t> texel) {
-    const auto depth = [&](std::size_t at) { return depth_of(static_cast<float>(get(texel, at))); };
+    const auto depth = [&](std::size_t at) { return glsl::stored_depth(static_cast<float>(get(texel, at))); };
     return {{depth(0), depth(2)}, glm::unpackHalf1x16(static_cast<std::uint16_t>(get(texel, 4)))};
 }
 

@@ -17,6 +17,14 @@ float integral_half_harmonic(float a, Harmonic half_harmonic, float k)
   return a * half_harmonic.sine / (0.5f * TWO_PI * k);
 }
 
+// A whole series of sines for the price of one: sum_k c_k sin(k x) = s_1 sin x, where s_k = c_k + 2 cos x s_{k+1} -
+// s_{k+2}, from the last coefficient to the first (Clenshaw, "A note on the summation of Chebyshev series", 1955).
+// With c_k = a_k / (pi k) and x = pi d that is the cosine basis, less its constant term.
+float clenshaw(float c, float two_cosine, float next, float after)
+{
+  return c + (two_cosine * next - after);
+}
+
 // Piecewise constant absorption, the opacity shadow maps of Kim and Neumann, "Opacity Shadow Maps", 2001: the part of
 // an absorber from `front` to `back` that lies in slice k of n, and the integral of that slice down to d.
 float slice_integral(float k, float n, float d)
@@ -103,4 +111,18 @@ float eight_bit_level(float ratio)
 float eight_bit_ratio(float level)
 {
   return (level - 127.0f) / 127.0f;
+}
+
+// Depths in 16 bits from -1/6 to 7/6, since ranges are padded; 0 and 1 are among them.
+#define ZERO_DEPTH 8192.0f
+#define UNIT_DEPTH 49152.0f
+
+float stored_depth(float code)
+{
+  return (code - ZERO_DEPTH) / UNIT_DEPTH;
+}
+
+float depth_code(float z)
+{
+  return clamp(ZERO_DEPTH + z * UNIT_DEPTH, 0.0f, 65535.0f);
 }

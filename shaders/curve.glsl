@@ -9,16 +9,47 @@
 // The depths of the knots rise from 0 to 1, and so does the share of the ray's absorption that is done. Each is stored
 // as the part of what the last one left to rise, in [0, 1]: so order is certain, and rounding is finest where much has
 // been passed already, behind a gap or a dense front.
-float next_knot(float last, float stored)
+float next_left(float left, float level)
 {
-  return last + (1.0f - last) * stored;
+  return left * (255.0f - level) * (1.0f / 255.0f);
 }
 
-// What the line from knot (z0, T0) to (z1, T1) takes from the light down to depth d, where drop = T0 - T1. Knots at the
-// same depth are a step.
-float line_drop(float d, float z0, float z1, float drop)
+// Between which knots depth d lies, without a search: all are looked at in turn, front to back. Kept is what remains to
+// rise, 1 - z and 1 - share, since each knot takes a part of that: (near, near_left) of the last knot before d and (far,
+// far_left) of the first one behind, which are the largest behind.
+struct CurveSegment {
+  float near;
+  float near_left;
+  float far;
+  float far_left;
+};
+
+CurveSegment curve_start()
 {
-  return drop * clamp((d - z0) / max(z1 - z0, 1e-6f), 0.0f, 1.0f);
+  CurveSegment segment;
+  segment.near = 1.0f;
+  segment.near_left = 1.0f;
+  segment.far = 0.0f;
+  segment.far_left = 0.0f;
+  return segment;
+}
+
+CurveSegment curve_step(CurveSegment segment, float d, float left_of_depth, float left_of_share)
+{
+  CurveSegment next;
+  next.near = pick(1.0f - d < left_of_depth, left_of_depth, segment.near);
+  next.near_left = pick(1.0f - d < left_of_depth, left_of_share, segment.near_left);
+  next.far = max(segment.far, pick(1.0f - d < left_of_depth, 0.0f, left_of_depth));
+  next.far_left = max(segment.far_left, pick(1.0f - d < left_of_depth, 0.0f, left_of_share));
+  return next;
+}
+
+// The transmittance at depth d of the segment. Knots at the same depth are a step, which d has not passed when equal.
+float curve_inside(CurveSegment segment, float d, float total)
+{
+  float part = clamp((1.0f - d - segment.far) / max(segment.near - segment.far, 1e-6f), 0.0f, 1.0f);
+  float left = segment.far_left + (segment.near_left - segment.far_left) * part;
+  return total + (1.0f - total) * left;
 }
 
 // The knots lie between depths low and high of the light ray. A step at the last knot is the reason for the second

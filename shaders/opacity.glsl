@@ -70,6 +70,21 @@ float integral_harmonic(float a, float b, Harmonic h, float k)
   return (a * h.sine + b * (1.0f - h.cosine)) / (TWO_PI * k);
 }
 
+// A receiver that casts too, such as a strand of hair, is among the absorbers, and the series smears its own absorption
+// to both sides of it. Of its optical depth tau the series counts tau S(z) in front of it, where eq 3 with its own
+// coefficients, 2 cos 2 pi k z and 2 sin 2 pi k z, is  S(z) = z + sum_k sin(2 pi k z) / (pi k),  about one half. What
+// follows is the k-th term for flat receivers; taking tau S(z) off leaves what the others absorb. Not in the paper.
+float self_harmonic(Harmonic h, float k)
+{
+  return 2.0f * h.sine / (TWO_PI * k);
+}
+
+// The optical depth that the others put before a receiver: its own is not in their total.
+float optical_depth_of_others(float tau, float total, float own, float self_share)
+{
+  return clamp(tau - own * self_share, 0.0f, max(total - own, 0.0f));
+}
+
 // The truncated series overshoots both ways. An optical depth cannot leave [0, total] without T leaving [T(1), 1].
 float clamp_optical_depth(float tau, float a0)
 {

@@ -75,6 +75,36 @@ TEST_P(EveryBasis, IsBiorthogonal) {
     }
 }
 
+// However the sums are taken, and for numbers of absorbers that no number of lanes divides.
+TEST_P(EveryBasis, ProjectsTheSumOfItsDensities) {
+    std::mt19937 generator(31);
+    std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
+    const Range range{0.2F, 0.7F};
+    for (const std::size_t count : {0U, 1U, 3U, 17U, 64U, 301U}) {
+        for (const float width : {0.0F, 0.05F}) {
+            Profile ray{{}, {}, width};
+            for (std::size_t i = 0; i < count; ++i) {
+                ray.depth.push_back(uniform(generator));
+                ray.tau.push_back(uniform(generator));
+            }
+            const Series s = series();
+            std::vector<double> sums(s.count, 0.0);
+            std::vector<float> f(s.count);
+            for (std::size_t i = 0; i < count; ++i) {
+                const float z = std::clamp((ray.depth[i] - range.low) / (range.high - range.low), 0.0F, 1.0F);
+                s.basis().density(z, width / (range.high - range.low), f, s.tables);
+                for (std::size_t k = 0; k < s.count; ++k) {
+                    sums[k] += double{ray.tau[i]} * double{f[k]};
+                }
+            }
+            const auto c = coefficients(s, ray, range);
+            for (std::size_t k = 0; k < s.count; ++k) {
+                EXPECT_NEAR(c[k], sums[k], 2e-6 * double(count + 10)) << k << " of " << count << " " << width;
+            }
+        }
+    }
+}
+
 TEST_P(EveryBasis, IsExactBeforeAndBehindItsRange) {
     for (const Range range : {Range{0.0F, 1.0F}, Range{0.25F, 0.75F}, Range{0.5F, 0.5F}}) {
         for (const Evaluator evaluator : {Evaluator::CLAMP, Evaluator::MONOTONE}) {
@@ -250,6 +280,30 @@ TEST(Ranges, HoldWhatTheySay) {
     }
 }
 
+// A core between .4 and .6 in thin smoke that reaches from end to end, front to back and back to front.
+TEST(Ranges, LeaveThinEndsOut) {
+    for (const float total : {0.1F, 1.0F, 10.0F}) {
+        Profile ray;
+        for (int i = 0; i < 1000; ++i) {
+            const float z = (float(i) + 0.5F) / 1000.0F;
+            ray.depth.push_back(z);
+            ray.tau.push_back(total * (std::abs(z - 0.5F) < 0.1F ? 0.998F / 200.0F : 0.002F / 800.0F));
+        }
+        const Range trimmed = depth_range(ray.absorbers(), RangeKind::TRIMMED, 3.0F);
+        const Range all = depth_range(ray.absorbers(), RangeKind::MINMAX, 3.0F);
+        EXPECT_NEAR(all.low, -0.05F, 2e-3F);
+        double front = 0.0, behind = 0.0;
+        for (std::size_t i = 0; i < ray.depth.size(); ++i) {
+            front += ray.depth[i] < trimmed.low ? double{ray.tau[i]} : 0.0;
+            behind += ray.depth[i] > trimmed.high ? double{ray.tau[i]} : 0.0;
+        }
+        EXPECT_LE(front, 0.002 * std::min(double{total}, 1.0));
+        EXPECT_LE(behind, 0.002 * double{total});
+        EXPECT_NEAR(trimmed.high, 0.61F, 0.02F);
+        EXPECT_NEAR(trimmed.low, total < 2.0F ? 0.39F : 0.05F, 0.05F);
+    }
+}
+
 TEST(Ranges, SurviveStorage) {
     std::vector<std::uint8_t> texel(HEAD_BYTES);
     for (const Range range : {Range{0.0F, 1.0F}, storable({0.123F, 0.124F}), storable({-0.05F, 1.05F})}) {
@@ -262,7 +316,7 @@ TEST(Ranges, SurviveStorage) {
 
 TEST(Ranges, OfNothingIsTheWhole) {
     const Profile clear{{0.2F, 0.6F}, {0.0F, 0.0F}, 0.0F};
-    for (const RangeKind kind : {RangeKind::MINMAX, RangeKind::MOMENTS, RangeKind::BOTH}) {
+    for (const RangeKind kind : {RangeKind::MINMAX, RangeKind::MOMENTS, RangeKind::BOTH, RangeKind::TRIMMED}) {
         const Range range = depth_range(clear.absorbers(), kind, 3.0F);
         EXPECT_EQ(range.low, 0.0F);
         EXPECT_EQ(range.high, 1.0F);

@@ -87,6 +87,8 @@ def table(rows: Sequence[Row]) -> str:
 
 
 def cell(value: object) -> str:
+    if isinstance(value, float) and 0.0 < abs(value) < 1e-3:
+        return f"{value:.2e}"
     return "-" if value is None else f"{value:.5f}" if isinstance(value, float) else str(value)
 
 

@@ -3,68 +3,100 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import rivals
 import sfumato
 from bench_rows import RayRow
-from light_rays import FRAMES, SEEDED, Rays, seeded, smoke_frame, translations, without_outlier
+from light_rays import FRAMES, ROOT, SEEDED, Rays, seeded, smoke_frame, translations, without_outlier
 
 # What issue 3 asks of `auto`, RMSE of T x1000.
 TARGETS = dict(zip(SEEDED, (15, 25, 2, 32, 11, 40, 15)))
 SUN = (0.72, 0.02, -0.53)  # of the sample
 
-# Light at the receivers, from the rays of a frame.
 Method = Callable[[Rays], np.ndarray]
+
+
+# A way to store rays, made for those of a frame (which a learned basis learns from). Building and reading stand apart
+# where they are timed apart.
+@dataclass(frozen=True)
+class Storage:
+    build: Callable[[Rays], Any]
+    read: Callable[[Any, Rays], np.ndarray]
 
 
 @dataclass(frozen=True)
 class Stored:
-    method: Method
+    storage: Callable[[Rays], Storage]
     coefficients: int
     bytes: int  # a texel, range included
+    timed_apart: bool = True
+
+    def method(self, rays: Rays) -> np.ndarray:
+        """Light at the receivers."""
+        storage = self.storage(rays)
+        return storage.read(storage.build(rays), rays)
 
 
-def series(basis: str, coefficients: int, kind: str) -> Method:
+def series(basis: str, coefficients: int, kind: str) -> Callable[[Rays], Storage]:
     """Half floats as FOM packs them, clamped: Jansen and Bavoil (2010) where the range is whole."""
 
-    def run(rays: Rays) -> np.ndarray:
-        absorbers = (rays.depth, rays.optical_depth)
-        span = sfumato.depth_range(*absorbers, kind, width=rays.width)
-        c = sfumato.project(*absorbers, coefficients, rays.width, basis, span)
-        return np.asarray(sfumato.transmittance(rivals.half(c), rays.receivers, basis, span))
+    def build(rays: Rays) -> Any:
+        span = sfumato.depth_range(rays.depth, rays.optical_depth, kind, width=rays.width)
+        c = sfumato.project(rays.depth, rays.optical_depth, coefficients, rays.width, basis, span)
+        return c.astype(np.float16).astype(np.float32), span
 
-    return run
+    def read(stored: Any, rays: Rays) -> np.ndarray:
+        c, span = stored
+        return np.asarray(sfumato.transmittance(c, rays.receivers, basis, span))
+
+    return lambda rays: Storage(build, read)
 
 
-def eight_bits(basis: str, kind: str) -> Method:
+def eight_bits(basis: str, kind: str) -> Callable[[Rays], Storage]:
     """Fifteen coefficients in 20 bytes, and the monotone evaluator. A learned basis learns from a quarter of the rays
     of the frame that it serves."""
 
-    def run(rays: Rays) -> np.ndarray:
-        absorbers = (rays.depth, rays.optical_depth)
-        span = sfumato.depth_range(*absorbers, kind, width=rays.width)
-        functions = basis
+    def storage(rays: Rays) -> Storage:
+        functions: Any = basis
         if basis == "learned":
             some = rays.every(4)
-            functions = sfumato.learn_basis(some.depth, some.optical_depth, 15, span[::4], rays.width)
-        c = sfumato.project(*absorbers, 15, rays.width, functions, span)
-        c, span = sfumato.unpack(sfumato.pack(c, functions, span), functions)
-        return np.asarray(sfumato.transmittance(c, rays.receivers, functions, span, "monotone"))
+            span = sfumato.depth_range(some.depth, some.optical_depth, kind, width=some.width)
+            functions = sfumato.learn_basis(some.depth, some.optical_depth, 15, span, some.width)
 
-    return run
+        def build(given: Rays) -> Any:
+            span = sfumato.depth_range(given.depth, given.optical_depth, kind, width=given.width)
+            return in_bytes(given, functions, span)
+
+        def read(texels: Any, given: Rays) -> np.ndarray:
+            c, span = sfumato.unpack(texels, functions)
+            return np.asarray(sfumato.transmittance(c, given.receivers, functions, span, "monotone"))
+
+        return Storage(build, read)
+
+    return storage
 
 
-def automatic(additive: bool) -> Method:
-    def run(rays: Rays) -> np.ndarray:
+def in_bytes(rays: Rays, functions: Any, span: np.ndarray) -> np.ndarray:
+    c = sfumato.project(rays.depth, rays.optical_depth, 15, rays.width, functions, span)
+    return np.asarray(sfumato.pack(c, functions, span))
+
+
+def automatic(additive: bool) -> Callable[[Rays], Storage]:
+    def storage(rays: Rays) -> Storage:
         choice = chosen(rays, additive)
-        texels = choice.store(rays.depth, rays.optical_depth, rays.width)
-        return np.asarray(choice.transmittance(texels, rays.receivers))
+        return Storage(
+            lambda given: choice.store(given.depth, given.optical_depth, given.width),
+            lambda texels, given: np.asarray(choice.transmittance(texels, given.receivers)),
+        )
 
-    return run
+    return storage
 
 
 def chosen(rays: Rays, additive: bool) -> sfumato.RayStorage:
@@ -72,8 +104,10 @@ def chosen(rays: Rays, additive: bool) -> sfumato.RayStorage:
     return sfumato.choose_basis(some.depth, some.optical_depth, additive=additive, width=rays.width)
 
 
-def published(transmittance: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Method:
-    return lambda rays: transmittance(rays.depth, rays.optical_depth, rays.receivers)
+def published(transmittance: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable[[Rays], Storage]:
+    return lambda rays: Storage(
+        lambda given: transmittance(given.depth, given.optical_depth, given.receivers), lambda light, given: light
+    )
 
 
 METHODS = {
@@ -85,10 +119,10 @@ METHODS = {
     "cosine-range": Stored(eight_bits("cosine", "minmax"), 15, 20),
     "learned": Stored(eight_bits("learned", "whole"), 15, 20),
     "learned-range": Stored(eight_bits("learned", "minmax"), 15, 20),
-    "moments-4": Stored(published(rivals.moments(4)), 5, 20),
-    "moments-6": Stored(published(rivals.moments(6)), 7, 28),
-    "haar": Stored(published(rivals.haar), 16, 32),
-    "avsm-8": Stored(published(rivals.avsm), 16, 32),
+    "moments-4": Stored(published(rivals.moments(4)), 5, 20, timed_apart=False),
+    "moments-6": Stored(published(rivals.moments(6)), 7, 28, timed_apart=False),
+    "haar": Stored(published(rivals.haar), 16, 32, timed_apart=False),
+    "avsm-8": Stored(published(rivals.avsm), 16, 32, timed_apart=False),
 }
 
 
@@ -106,6 +140,15 @@ def growth(method: Method) -> float:
     return float(np.sqrt(np.mean((method(here) - method(deeper)) ** 2)))
 
 
+def least_seconds(work: Callable[[], object], runs: int = 5) -> float:
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
 def violations(light: np.ndarray) -> int:
     return int((light > 1.001).sum() + (np.diff(light, axis=1) > 1e-3).sum())
 
@@ -119,9 +162,11 @@ def light_rays() -> tuple[list[RayRow], list[str]]:
         moved, grown = swing(stored.method), growth(stored.method)
         widened = rmse(stored.method, outlier) / rmse(stored.method, without_outlier(outlier))
         for case, rays in cases.items():
-            start = time.perf_counter()
-            light = stored.method(rays)
-            seconds = time.perf_counter() - start
+            storage, single = stored.storage(rays), rays.in_single_precision()
+            texels = storage.build(single)
+            light = storage.read(texels, rays)
+            build = least_seconds(lambda: storage.build(single))
+            read = least_seconds(lambda: storage.read(texels, single)) if stored.timed_apart else None
             error = light - rays.exact
             rows.append(
                 RayRow(
@@ -129,8 +174,9 @@ def light_rays() -> tuple[list[RayRow], list[str]]:
                     method=name,
                     metric="RMSE of transmittance",
                     error=float(np.sqrt(np.mean(error**2))),
-                    seconds=seconds,
+                    seconds=build / len(rays.depth),
                     bytes=stored.bytes,
+                    look_up_seconds=None if read is None else read / rays.receivers.size,
                     coefficients=stored.coefficients,
                     max_error=float(np.abs(error).max()),
                     violations=violations(light),
@@ -152,4 +198,40 @@ def remarks(rows: list[RayRow], cases: dict[str, Rays]) -> list[str]:
         for case in (*FRAMES, "plume-axis"):
             fourier, slices = (error[rival, case] / error[method, case] for rival in ("fourier", "piecewise"))
             out.append(f"{method}, {case}: 1/{fourier:.1f} of fourier (target 1/5), 1/{slices:.1f} of piecewise (1/6)")
+    return out + [tile_remark(case) for case in FRAMES] + time_remarks()
+
+
+def tile_remark(case: str, tile: int = 8) -> str:
+    """What it costs that texels share a range, as filtering coefficients asks."""
+    rays = smoke_frame(case, SUN, 96)
+    whole = rays.on_map()
+    shared = {
+        side: sfumato.depth_ranges(*whole, side, width=rays.width).reshape(-1, 2)[rays.texel] for side in (0, tile)
+    }
+    own = sfumato.depth_range(rays.depth, rays.optical_depth, width=rays.width)
+    storage = eight_bits("cosine", "minmax")(rays)
+    error = [
+        rmse(lambda given: storage.read(in_bytes(given, "cosine", span), given), rays)
+        for span in (own, shared[tile], shared[0])
+    ]
+    return (
+        f"cosine-range, {case}, {rays.side} x {rays.side} texels: {1e3 * error[0]:.1f}e-3 on their own ranges, "
+        f"{1e3 * error[1]:.1f}e-3 on those of {tile} x {tile} tiles, {1e3 * error[2]:.1f}e-3 on one for the map"
+    )
+
+
+def time_remarks() -> list[str]:
+    """In C++, on one thread: nanoseconds, and how many times those of seven slices or of seven Fourier coefficients."""
+    program = ROOT / "build" / "tests" / "ray_times"
+    rows = json.loads(subprocess.run([program], capture_output=True, check=True, text=True).stdout)
+    out = []
+    for row in rows:
+        reading = row["what"] == "look-up"
+        rival, named = ("fourier", "7 Fourier coefficients, target 1.1") if reading else ("piecewise", "7 slices")
+        least = next(r["nanoseconds"] for r in rows if r == row | {"method": rival, "nanoseconds": r["nanoseconds"]})
+        target = ", target 1.2" if row["method"] == "fourier" and not reading else ""
+        out.append(
+            f"{row['what']}, {row['method']}, {row['count']} {'receiver(s)' if reading else 'absorbers'} a ray: "
+            f"{row['nanoseconds']:.1f} ns, {row['nanoseconds'] / least:.2f} of {named}{target}"
+        )
     return out

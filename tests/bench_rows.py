@@ -16,8 +16,10 @@ class Row(TypedDict):
 
 
 class RayRow(Row):
-    """One way to store light rays. The last three belong to the method, whatever the case."""
+    """One way to store light rays: `seconds` to build a ray, or to build and read it where the two are not apart. The
+    last three belong to the method, whatever the case."""
 
+    look_up_seconds: float | None  # a receiver
     coefficients: int
     max_error: float
     violations: int  # receivers with T > 1.001, and steps to the next receiver that gain more than 1e-3

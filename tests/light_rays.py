@@ -24,13 +24,28 @@ FRAMES = {
 
 @dataclass(frozen=True)
 class Rays:
-    """Absorbers (rays, n), and receivers (rays, d) with the exact share of light that reaches them."""
+    """Absorbers (rays, n), and receivers (rays, d) with the exact share of light that reaches them. `texel` says which
+    of the side x side texels of its map each ray is, where there is a map; those without smoke are left out."""
 
     depth: np.ndarray
     optical_depth: np.ndarray
     receivers: np.ndarray
     exact: np.ndarray
     width: float = 0.0
+    texel: np.ndarray | None = None
+    side: int = 0
+
+    def in_single_precision(self) -> Rays:
+        """What the module takes without converting it, for timing."""
+        arrays = (self.depth, self.optical_depth, self.receivers, self.exact)
+        return Rays(*(np.ascontiguousarray(a, np.float32) for a in arrays), self.width)
+
+    def on_map(self) -> tuple[np.ndarray, np.ndarray]:
+        """Depth and optical depth (side, side, n), with nothing where there is no smoke."""
+        out = np.zeros((2, self.side * self.side, self.depth.shape[1]))
+        out[:, self.texel] = self.depth, self.optical_depth
+        depth, tau = out.reshape(2, self.side, self.side, -1)
+        return depth, tau
 
     def every(self, stride: int) -> Rays:
         some = slice(None, None, stride)
@@ -128,4 +143,4 @@ def smoke_frame(case: str, direction: tuple[float, float, float], side: int = 24
     start = np.broadcast_to(world(xy, np.zeros((len(xy), 1))), (*receivers.shape, 3))
     exact = np.exp(-extinction * sfumato.reference.column(scene, start, world(xy, receivers)))
     depth = np.broadcast_to((np.arange(slabs) + 0.5) / slabs, tau.shape)
-    return Rays(np.ascontiguousarray(depth), tau, receivers, exact, 1.0 / slabs)
+    return Rays(np.ascontiguousarray(depth), tau, receivers, exact, 1.0 / slabs, np.flatnonzero(hit), side)

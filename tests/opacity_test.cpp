@@ -105,7 +105,8 @@ TEST(Transmittance, StaysBetweenThatOfAllAbsorbersAndOne) {
         ray.add(0.5F, glsl::optical_depth_of(1.0F));
         for (const std::size_t count : {3U, 7U, 31U}) {
             const std::vector<float> series = series_of(ray, count);
-            const float least = glsl::transmittance_of(0.5F * series[0]);
+            const float least = transmittance(series, 1.0F), all = glsl::transmittance_of(0.5F * series[0]);
+            EXPECT_NEAR(least, all, 1e-6F * all); // two exponentials
             for (int i = 0; i <= 200; ++i) {
                 const float t = transmittance(series, float(i) / 200.0F);
                 EXPECT_LE(t, 1.0F);
@@ -177,6 +178,25 @@ TEST(Harmonics, FromAngleSumsAreTheHarmonics) {
             const double angle = 2.0 * std::numbers::pi * k * double{z};
             EXPECT_NEAR(h.cosine, std::cos(angle), 5e-7 * k) << "harmonic " << k << " at " << z;
             EXPECT_NEAR(h.sine, std::sin(angle), 5e-7 * k) << "harmonic " << k << " at " << z;
+            h = glsl::next_harmonic(h, first);
+        }
+    }
+}
+
+// Eq 3 with the receiver's own coefficients, at its own depth, in double.
+TEST(SelfShare, IsTheSeriesOfAReceiverAtItsOwnDepth) {
+    for (int i = 0; i <= 100; ++i) {
+        const float z = float(i) / 100.0F;
+        const glsl::Harmonic first = glsl::harmonic(1.0F, z);
+        glsl::Harmonic h = first;
+        float found = z;
+        double wanted = double{z};
+        for (int k = 1; k <= 7; ++k) {
+            const double angle = 2.0 * std::numbers::pi * k * double{z};
+            const double a = 2.0 * std::cos(angle), b = 2.0 * std::sin(angle);
+            wanted += (a * std::sin(angle) + b * (1.0 - std::cos(angle))) / (2.0 * std::numbers::pi * k);
+            found += glsl::self_harmonic(h, float(k));
+            EXPECT_NEAR(found, wanted, 3e-6) << "harmonic " << k << " at " << z;
             h = glsl::next_harmonic(h, first);
         }
     }
