@@ -223,10 +223,6 @@ void transmittance_before(const Series &series, std::span<const float> coefficie
 
 namespace {
 
-// Thin smoke around a ray's core widens its range and takes coefficients from what can be seen: without it real smoke
-// has two thirds to a half of the error. What is left out counts at the ends. So it changes T by at most TRIM in front,
-// and behind by less, since T is small there; it must be small in optical depth all the same, for a large amount at the
-// very end would ring through the whole range.
 glsl::DepthRange trimmed_range(const Absorbers &absorbers, glsl::DepthRange otherwise) {
     std::vector<std::size_t> order(absorbers.depth.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -240,8 +236,8 @@ glsl::DepthRange trimmed_range(const Absorbers &absorbers, glsl::DepthRange othe
         double sum = 0.0;
         return std::find_if(first, last, [&](std::size_t i) { return (sum += double{absorbers.tau[i]}) > most; });
     };
-    const auto front = edge(order.begin(), order.end(), TRIM * std::min(total, 1.0));
-    const auto back = edge(order.rbegin(), order.rend(), TRIM * total);
+    const auto front = edge(order.begin(), order.end(), double{glsl::trimmed_before(static_cast<float>(total))});
+    const auto back = edge(order.rbegin(), order.rend(), double{glsl::trimmed_behind(static_cast<float>(total))});
     if (front == order.end() || back == order.rend() || absorbers.depth[*front] > absorbers.depth[*back]) {
         return otherwise; // hardly anything at all
     }

@@ -96,10 +96,8 @@ void transmittance_before(const Series &series, std::span<const float> coefficie
 enum class RangeKind : std::uint8_t { WHOLE, MINMAX, MOMENTS, BOTH, TRIMMED };
 
 // The range that holds a ray's absorbers: padded_range(), moment_range() with q, what the two have in common, or
-// padded_range() of the ray without its thin ends, which hold a share TRIM of the optical depth each, and in front no
-// more of it than TRIM;
+// padded_range() of the ray without its thin ends (trimmed_before(), trimmed_behind());
 // rounded outwards to what a texel can hold: the range of the projection must be that of the evaluation.
-constexpr double TRIM = 0.002;
 Range depth_range(const Absorbers &absorbers, RangeKind kind, float q);
 
 // ---- Storage ----

@@ -15,7 +15,7 @@
 namespace sfumato {
 
 struct FrameSettings {
-    int coefficients = 31;        // of the light map; the paper's own maps have 7
+    int coefficients = 15;        // of the light maps, over each ray's own range; the paper's maps have 7 over all
     double texels_per_cell = 1.0; // resolution of the light map against the medium's grid
     double steps_per_cell = 1.0;  // of the march along view rays
     int light_samples = 16;       // at most, of a light that is large enough to blur the smoke's shadow

@@ -46,11 +46,15 @@ struct ClearanceView {
     int nx = 0, ny = 0, nz = 0;
 };
 
-// A Fourier opacity map: `count` floats a texel (a0, a1, b1, a2, b2, ...), and for each texel the depth of the first
-// solid on the light ray (infinite where there is none). Texel centres are at (i + 1/2) / width.
-// A map of light from one direction is affine in the world. One of light from one point has a rectangle of the
-// octahedral square across (shaders/light.glsl) and the distance to the point along.
+// A light map: of each texel's ray the column density, as a series of `count` half-range cosines over the ray's own
+// range of depths (shaders/basis.glsl), and the depth of the first solid on it (infinite where there is none). A texel
+// is HEAD_FLOATS + count - 1 floats: the total, where the range begins, one over its extent, and a_k / (pi k) for k =
+// 1, ... Texel centres are at (i + 1/2) / width. A map of light from one direction is affine in the world. One of light
+// from one point has a rectangle of the octahedral square across (shaders/light.glsl) and the distance to the point
+// along.
+constexpr int HEAD_FLOATS = 3;
 struct LightMapView {
+    [[nodiscard]] int stride() const { return HEAD_FLOATS + count - 1; }
     const float *coefficients = nullptr; // null where the light cannot meet the medium
     const float *solid_depth = nullptr;
     int count = 1;
@@ -61,16 +65,18 @@ struct LightMapView {
     float scale[3] = {1.0F, 1.0F, 1.0F}; // and one over their extent
 };
 
-// Projects one row of texels: coefficient c = sum over slices s of weights[s][c] * density(slice).
+// Projects one row of texels, slice by slice.
 struct ProjectRow {
     GridView density;
     ClearanceView clearance;
-    LightMapView map;     // coefficients and depths are not read
-    Affine light_to_grid; // from [0, 1]^3, or from the frame with the light at the origin
-    const float *weights = nullptr;
+    LightMapView map;          // coefficients and depths are not read
+    Affine light_to_grid;      // from [0, 1]^3, or from the frame with the light at the origin
+    float slice_length = 0.0F; // metres
+    float extinction = 0.0F;   // of the strongest colour: what can be seen decides what range a ray needs
     int slices = 0;
     int y = 0;
     float *coefficients = nullptr; // of this row
+    float *scratch = nullptr;      // MAX_LANES + 1 floats a slice, aligned for lanes
 };
 
 // A light, and the points that it is sampled at.

@@ -20,26 +20,6 @@ namespace {
 constexpr double MOST_COEFFICIENTS = 1 << 26; // a quarter of a gibibyte
 constexpr int MOST_SLICES = 32768;
 
-// What each slice of the light's path adds to each coefficient, per unit of density: eqs 1-2 for slabs.
-std::vector<float> slice_weights(int slices, int count, double path) {
-    std::vector<float> weights(static_cast<std::size_t>(slices) * static_cast<std::size_t>(count));
-    const float width = 1.0F / static_cast<float>(slices);
-    const float length = static_cast<float>(path) * width;
-    for (int s = 0; s < slices; ++s) {
-        float *w = weights.data() + static_cast<std::ptrdiff_t>(s) * count;
-        const glsl::Harmonic first = glsl::harmonic(1.0F, (static_cast<float>(s) + 0.5F) * width);
-        glsl::Harmonic h = first;
-        w[0] = 2.0F * length;
-        for (int k = 1; 2 * k < count; ++k) {
-            const float thickness = glsl::slab_factor(static_cast<float>(k), width);
-            w[2 * k - 1] = glsl::project_cosine(length, h, thickness);
-            w[2 * k] = glsl::project_sine(length, h, thickness);
-            h = glsl::next_harmonic(h, first);
-        }
-    }
-    return weights;
-}
-
 // The ray of a texel in the world: from depth 0 of the map, one depth long.
 struct TexelRay {
     glm::dvec3 origin, along;
@@ -111,19 +91,22 @@ std::array<glm::dvec3, 8> corners_of(const CroppedMedium &medium, const glm::dma
 // puff can be off by more than 1 %.
 void project(LightMap &map, const CroppedMedium &medium, double length, double cells, const Kernels &with) {
     const int slices = static_cast<int>(std::clamp(std::ceil(2.0 * cells), 1.0, double{MOST_SLICES}));
-    const std::vector<float> weights = slice_weights(slices, map.count, length);
     const Affine light_to_grid = affine(glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light));
-    map.coefficients.resize(map.texels() * static_cast<std::size_t>(map.count));
+    const std::ptrdiff_t row_floats = static_cast<std::ptrdiff_t>(map.size.x) * map.view().stride();
+    map.coefficients.resize(static_cast<std::size_t>(row_floats * map.size.y));
     oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
         ProjectRow row;
         row.density = medium.density_grid();
         row.clearance = medium.clearances();
         row.map = map.view();
         row.light_to_grid = light_to_grid;
-        row.weights = weights.data();
+        row.slice_length = static_cast<float>(length / slices);
+        row.extinction = std::max({medium.extinction.x, medium.extinction.y, medium.extinction.z});
         row.slices = slices;
         row.y = y;
-        row.coefficients = map.coefficients.data() + static_cast<std::ptrdiff_t>(y) * map.size.x * map.count;
+        row.coefficients = map.coefficients.data() + y * row_floats;
+        std::vector<float> scratch(static_cast<std::size_t>(slices * (MAX_LANES + 1)));
+        row.scratch = scratch.data();
         with.project_row(row);
     });
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A light map: a Fourier opacity map of one medium's column density along the rays of one point of a light, and where
-// solids begin on them.
+// A light map: one medium's column density along the rays of one point of a light, and where solids begin on them.
 #pragma once
 
 #include "kernels.hpp"
@@ -16,12 +15,12 @@
 namespace sfumato {
 
 struct LightMap {
-    int count = 1; // coefficients a texel, odd: a0, a1, b1, a2, b2, ...
+    int count = 1; // coefficients a texel
     glm::ivec2 size{0};
     bool radial = false;
     glm::dmat4 world_to_light{1.0};  // see LightMapView
     glm::dvec3 low{0.0}, high{1.0};  // radial: the rectangle of the octahedral square, and the distances
-    std::vector<float> coefficients; // of the column density: metres times density
+    std::vector<float> coefficients; // of the column density, metres times density: see LightMapView
     std::vector<float> solid_depth;
 
     [[nodiscard]] LightMapView view() const;
@@ -33,7 +32,7 @@ struct LightMap {
 };
 
 struct LightMapSettings {
-    int coefficients = 31;
+    int coefficients = 15;
     double texels_per_cell = 1.0; // against the shortest edge of the medium's cells, within 256 MiB a map
 };
 

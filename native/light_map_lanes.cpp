@@ -33,45 +33,104 @@ Path path_of(const ProjectRow &row, const Real &column) {
             transform_vector(row.light_to_grid, direction * depth)};
 }
 
+// The densities along the rays of one packet, at the slices that may hold smoke.
+struct Samples {
+    float *densities; // LANES each
+    float *slices;    // their numbers
+    int count = 0;
+
+    [[nodiscard]] Real density(int i) const {
+        return Real::load_unaligned(densities + static_cast<std::ptrdiff_t>(i) * LANES);
+    }
+};
+
+// Empty slices are leapt over.
+Samples march_light(const ProjectRow &row, const Path &path) {
+    Samples samples{row.scratch + row.slices, row.scratch};
+    const float speed = highest(max(max(abs(path.step.x), abs(path.step.y)), abs(path.step.z)));
+    const vec3 size{Real(static_cast<float>(row.density.nx)), Real(static_cast<float>(row.density.ny)),
+                    Real(static_cast<float>(row.density.nz))};
+    const auto slices = static_cast<float>(row.slices);
+    const Interval inside = clip_to_box({Real(0.0F), Real(slices)}, path.start, path.step, size);
+    const int first = static_cast<int>(std::min(slices, lowest(inside.near_t)));
+    const int last = static_cast<int>(std::clamp(highest(inside.far_t) + 1.0F, 0.0F, slices));
+    for (int s = first; s < last;) {
+        const vec3 p = path.start + path.step * Real(static_cast<float>(s));
+        const Real clear = clearance_at(row.clearance, p);
+        if (!xsimd::any(clear < 0.0F)) {
+            s += 1 + static_cast<int>(lowest(clear) / speed);
+            continue;
+        }
+        const Real density = sample(row.density, locate(row.density, p), 0);
+        density.store_unaligned(samples.densities + static_cast<std::ptrdiff_t>(samples.count) * LANES);
+        samples.slices[samples.count++] = static_cast<float>(s);
+        ++s;
+    }
+    return samples;
+}
+
+// The range of depths that a ray's series spans: that of its smoke, less what cannot be seen at either end. `slice` is
+// the depth of one slice, `total` the sum of the densities.
+DepthRange seen_range(const ProjectRow &row, const Samples &samples, Real total, float slice) {
+    const float to_depth = row.slice_length * row.extinction; // optical depth of a unit of density
+    const Real before = trimmed_before(total * to_depth) * (1.0F / to_depth);
+    const Real behind = trimmed_behind(total);
+    Real passed = 0.0F, front = 1.0F, back = 0.0F;
+    for (int i = 0; i < samples.count; ++i) {
+        const Real depth = slice * samples.slices[i];
+        back = pick(total - passed > behind, depth + slice, back);
+        passed = passed + samples.density(i);
+        front = pick(passed > before, min(front, depth), front);
+    }
+    return padded_range(front, max(front, back));
+}
+
 } // namespace
 
-// Eqs 1-2, slice by slice. The weights are the same for all texels of a map; empty slices are leapt over.
 void project_row(const ProjectRow &row) {
     constexpr int MAX_COUNT = 64;
-    const int count = row.map.count, width = row.map.width;
+    const int count = row.map.count, width = row.map.width, stride = row.map.stride();
+    const float slice = 1.0F / static_cast<float>(row.slices);
     for (int x = 0; x < width; x += LANES) {
-        Real sums[MAX_COUNT];
-        for (int c = 0; c < count; ++c) {
-            sums[c] = 0.0F;
+        const Samples samples = march_light(row, path_of(row, lane_numbers() + static_cast<float>(x)));
+        Real total = 0.0F;
+        for (int i = 0; i < samples.count; ++i) {
+            total = total + samples.density(i);
         }
-        const Path path = path_of(row, lane_numbers() + static_cast<float>(x));
-        const float speed = highest(max(max(abs(path.step.x), abs(path.step.y)), abs(path.step.z)));
-        const vec3 size{Real(static_cast<float>(row.density.nx)), Real(static_cast<float>(row.density.ny)),
-                        Real(static_cast<float>(row.density.nz))};
-        const auto slices = static_cast<float>(row.slices);
-        const Interval inside = clip_to_box({Real(0.0F), Real(slices)}, path.start, path.step, size);
-        const int first = static_cast<int>(std::min(slices, lowest(inside.near_t)));
-        const int last = static_cast<int>(std::clamp(highest(inside.far_t) + 1.0F, 0.0F, slices));
-        for (int s = first; s < last;) {
-            const vec3 p = path.start + path.step * Real(static_cast<float>(s));
-            const Real clear = clearance_at(row.clearance, p);
-            if (!xsimd::any(clear < 0.0F)) {
-                s += 1 + static_cast<int>(lowest(clear) / speed);
-                continue;
+        const DepthRange range = seen_range(row, samples, total, slice);
+        const Real per_depth = 1.0F / (range.high - range.low);
+        Real sums[MAX_COUNT];
+        for (int k = 1; k < count; ++k) {
+            sums[k] = 0.0F;
+        }
+        for (int i = 0; i < samples.count; ++i) {
+            const Real density = samples.density(i);
+            const Real d = relative_depth(range, slice * (samples.slices[i] + 0.5F));
+            // cos((k + 1) x) = 2 cos(x) cos(k x) - cos((k - 1) x)
+            const Real cosine = cos(0.5F * TWO_PI * d), twice = cosine + cosine;
+            Real last = 1.0F, harmonic_k = cosine;
+            for (int k = 1; k < count; ++k) {
+                sums[k] = xsimd::fma(density, harmonic_k, sums[k]);
+                const Real next = xsimd::fms(twice, harmonic_k, last);
+                last = harmonic_k;
+                harmonic_k = next;
             }
-            const Real density = sample(row.density, locate(row.density, p), 0);
-            const float *weights = row.weights + static_cast<std::ptrdiff_t>(s) * count;
-            for (int c = 0; c < count; ++c) {
-                sums[c] = xsimd::fma(density, Real(weights[c]), sums[c]);
-            }
-            ++s;
         }
         alignas(64) float lanes[LANES];
-        for (int c = 0; c < count; ++c) {
-            sums[c].store_aligned(lanes);
+        const auto store = [&](Real value, int at) {
+            value.store_aligned(lanes);
             for (int lane = 0; lane < LANES && x + lane < width; ++lane) {
-                row.coefficients[(x + lane) * count + c] = lanes[lane];
+                row.coefficients[static_cast<std::ptrdiff_t>(x + lane) * stride + at] = lanes[lane];
             }
+        };
+        store(total * row.slice_length, 0);
+        store(range.low, 1);
+        store(per_depth, 2);
+        for (int k = 1; k < count; ++k) {
+            const auto number = static_cast<float>(k);
+            const Real thickness = slab_factor(0.5F * number, slice * per_depth);
+            store(sums[k] * thickness * (2.0F * row.slice_length / (0.5F * 6.28318530717958648F * number)),
+                  HEAD_FLOATS + k - 1);
         }
     }
 }

@@ -15,10 +15,6 @@ using namespace arguments;
 Frame make_frame(const Scene &scene, int coefficients, double texels_per_cell, double steps_per_cell,
                  int light_samples) {
     require_range(coefficients, 1, 63, "coefficients");
-    if (coefficients % 2 == 0) {
-        throw py::value_error("coefficients is " + std::to_string(coefficients) +
-                              ", but must be odd: a constant and pairs of harmonics");
-    }
     require_range(texels_per_cell, 0.05, 8.0, "texels_per_cell");
     require_range(steps_per_cell, 0.05, 64.0, "steps_per_cell");
     require_range(light_samples, 1, 1024, "light_samples");
@@ -150,13 +146,15 @@ void bind_frame(py::module_ &m) {
             "(3,), per metre and unit density.")
         .def_readonly("anisotropy", &CroppedMedium::anisotropy, "g of Henyey and Greenstein (1941).");
 
-    py::class_<LightMap>(m, "LightMap", "A Fourier opacity map of column density, seen from a light.")
+    py::class_<LightMap>(m, "LightMap", "Column density along the rays of a light.")
         .def_property_readonly(
             "coefficients",
             [](const LightMap &s) {
-                return to_numpy(s.coefficients, {s.size.y, s.size.x, s.count});
+                return to_numpy(s.coefficients, {s.size.y, s.size.x, s.view().stride()});
             },
-            "(height, width, n): a0, a1, b1, a2, b2, ... of eqs 1-2 of Jansen and Bavoil (2010). A copy.")
+            "(height, width, n + 2): of each ray the whole column density, the depth where its range begins and one "
+            "over "
+            "the range's extent, and a_k / (pi k), k = 1, ..., of its half-range cosine series. A copy.")
         .def_property_readonly(
             "world_to_light", [](const LightMap &s) { return to_numpy(s.world_to_light); },
             "(4, 4): of a sun's map, to x and y across it and z along the light, all in [0, 1]; of others, to a frame "
@@ -164,7 +162,7 @@ void bind_frame(py::module_ &m) {
 
     py::class_<Frame>(m, "Frame", R"(Everything about a scene that does not depend on the camera, computed once.
 
-coefficients (odd, 1 to 63) of each texel of the light maps; texels_per_cell and steps_per_cell relate the maps'
+coefficients (1 to 63) of each texel of the light maps; texels_per_cell and steps_per_cell relate the maps'
 resolution and the march along view rays to the cells of the smoke; light_samples, the most points at which a light is
 sampled that is large enough to blur the smoke's shadow.
 
@@ -236,7 +234,7 @@ it. Raises ValueError where there is no such light, sample or medium.
 >>> scene.add_medium(np.ones((4, 4, 4)), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
 >>> scene.add_sun((0, 0, -1), (4, 4, 4))
 >>> Frame(scene, coefficients=7).light_map().coefficients.shape
-(8, 8, 7)
+(8, 8, 9)
 )")
         .def_property_readonly("lights", &lights_of,
                                R"((n, 3, 4) float32: direction and 1 for a sun, else 0; position and

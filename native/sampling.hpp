@@ -88,30 +88,38 @@ inline vec3 place_on(const LightMapView &map, const vec3 &world) {
             (sqrt(dot(p, p)) - map.low[2]) * map.scale[2]};
 }
 
-// The column density between the light and depth z (eq 3 of the paper). Before the map's range it is 0, beyond it the
-// total; sideways of it the outermost texels, which are empty, answer.
+// The column density between the light and depth z. Before a ray's range it is 0, beyond it the total; sideways of the
+// map the outermost texels, which are empty, answer. Each texel's ray has a range of its own, so what is filtered is
+// the four column densities, not the coefficients.
 inline Real column_density(const LightMapView &map, const Texels &texels, Real z) {
-    const auto coefficient = [&](int c) {
-        Real values[4];
+    Index first[4];
+    Real columns[4], d[4];
+    Mask ready(true); // the constant term is the whole answer: beyond all smoke, where a floor mostly is, or before it
+    for (int t = 0; t < 4; ++t) {
+        first[t] = texels.at[t] * Index(map.stride());
+        columns[t] = gather(map.coefficients, first[t]);
+        const Real low = gather(map.coefficients + 1, first[t]);
+        d[t] = clamp((z - low) * gather(map.coefficients + 2, first[t]), 0.0F, 1.0F);
+        ready = ready & ((d[t] <= 0.0F) | (d[t] >= 1.0F) | (columns[t] <= 0.0F));
+    }
+    if (xsimd::all(ready)) {
         for (int t = 0; t < 4; ++t) {
-            values[t] = gather(map.coefficients + c, texels.at[t] * Index(map.count));
+            columns[t] = columns[t] * d[t];
         }
-        return bilinear(texels, values);
-    };
-    const Real d = clamp(z, 0.0F, 1.0F);
-    const Real a0 = coefficient(0);
-    Real column = integral_constant(a0, d);
-    // Most of a floor lies behind all smoke or beside it, where the constant term is the whole answer.
-    if (xsimd::all((d >= 1.0F) | (d <= 0.0F) | (a0 <= 0.0F))) {
-        return max(column, 0.0F);
+        return bilinear(texels, columns);
     }
-    const Harmonic first = harmonic(1.0F, d);
-    Harmonic h = first;
-    for (int k = 1; 2 * k < map.count; ++k) {
-        column = column + integral_harmonic(coefficient(2 * k - 1), coefficient(2 * k), h, static_cast<float>(k));
-        h = next_harmonic(h, first);
+    for (int t = 0; t < 4; ++t) {
+        const Real cosine = cos(0.5F * TWO_PI * d[t]), twice = cosine + cosine;
+        Real sum = 0.0F, after = 0.0F;
+        for (int k = map.count - 1; k >= 1; --k) {
+            const Real next = clenshaw(gather(map.coefficients + HEAD_FLOATS + k - 1, first[t]), twice, sum, after);
+            after = sum;
+            sum = next;
+        }
+        const Real sine = sqrt(max(1.0F - cosine * cosine, 0.0F)); // of an angle in [0, pi]
+        columns[t] = clamp(columns[t] * d[t] + sum * sine, 0.0F, columns[t]);
     }
-    return clamp_optical_depth(column, a0);
+    return bilinear(texels, columns);
 }
 
 } // namespace
