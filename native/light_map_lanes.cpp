@@ -82,7 +82,12 @@ DepthRange seen_range(const ProjectRow &row, const Samples &samples, Real total,
         passed = passed + samples.density(i);
         front = pick(passed > before, min(front, depth), front);
     }
-    return padded_range(front, max(front, back));
+    // Nothing lies beyond the map: smoke that begins at its very end, with the light inside, needs no room there. The
+    // cosines' mirror image takes its step away.
+    DepthRange range = padded_range(front, max(front, back));
+    range.low = max(range.low, 0.0F);
+    range.high = max(min(range.high, 1.0F), range.low + 1e-4F);
+    return range;
 }
 
 } // namespace
