@@ -81,9 +81,9 @@ Complex followed_root(EllipseCone cone, Complex b)
 {
   float size = sqrt(complex_norm(b));
   Complex lambda = complex(negative_root(cone, size), 0.0f);
-  Complex turn = complex_sqrt(complex_sqrt(complex_scale(1.0f / size, b)));
+  Complex turn = complex_sqrt(complex_sqrt(complex_sqrt(complex_scale(1.0f / size, b))));
   Complex now = complex(size, 0.0f);
-  for (int step = 0; step < 4; ++step) {
+  for (int step = 0; step < 8; ++step) {
     now = complex_mul(now, turn);
     Complex c2 = complex(cone.square0 + cone.square1 * now.re, cone.square1 * now.im);
     Complex c1 = complex(cone.linear0 + cone.linear1 * now.re, cone.linear1 * now.im);
