@@ -33,7 +33,8 @@ Arc arc_of(Edge edge, vec3 r, float height_from, float height_to)
   arc.a0 = from_height * inverse;
   arc.a1 = to_height * inverse;
   arc.across = dot(from, to);
-  arc.s = clamp(dot(r, cross(from, to - from)) * inverse / max(front.area, 1e-30f), -1.0f, 1.0f);
+  vec3 nearest = pick(dot(from, from) < dot(to, to), from, to);
+  arc.s = clamp(dot(r, cross(nearest, to - from)) * inverse / max(front.area, 1e-30f), -1.0f, 1.0f);
   arc.area = front.area;
   return arc;
 }
