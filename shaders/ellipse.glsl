@@ -325,22 +325,34 @@ BegunArc begun_arc(OutlineCut a, OutlineCut b)
   return begun;
 }
 
-// v turned so that the outline is clockwise seen from the origin.
-vec3 wound_axis(vec3 u, vec3 v, vec3 centre)
+struct Outline {
+  vec3 centre;
+  vec3 u;
+  vec3 v;
+};
+
+// The same outline with u the longer half axis, whose entry of S is a divisor, and clockwise seen from the origin.
+Outline outline_of(vec3 centre, vec3 u, vec3 v)
 {
-  return v * pick(dot(centre, cross(u, v)) < 0.0f, -1.0f, 1.0f);
+  float longer = pick(dot(u, u) < dot(v, v), 1.0f, 0.0f);
+  Outline outline;
+  outline.centre = centre;
+  outline.u = pick(longer > 0.5f, v, u);
+  outline.v = pick(longer > 0.5f, u, v);
+  outline.v = outline.v * pick(dot(centre, cross(outline.u, outline.v)) < 0.0f, -1.0f, 1.0f);
+  return outline;
 }
 
 // Irradiance / pi on a surface with the unit normal n from an ellipse of radiance 1 with perpendicular half axes u and
 // v. Exact, horizon-cut ones included: Lambert's cosine is the pole B = 1, and lambda is real.
 float diffuse_ellipse(vec3 n, vec3 centre, vec3 u, vec3 v)
 {
-  vec3 w = wound_axis(u, v, centre);
+  Outline o = outline_of(centre, u, v);
   Complex one = complex(1.0f, 0.0f);
-  EllipseCone cone = ellipse_cone(u, w, centre, n);
+  EllipseCone cone = ellipse_cone(o.u, o.v, centre, n);
   Factors factors = factors_of(cone, one, complex(negative_root(cone, 1.0f), 0.0f));
-  OutlineCut cut = outline_cut(u, w, centre, n);
-  Edge gap = outline_gap(cut, u, w, centre, n);
+  OutlineCut cut = outline_cut(o.u, o.v, centre, n);
+  Edge gap = outline_gap(cut, o.u, o.v, centre, n);
   float sum = ellipse_pole_along(factors, cut.arc, one) + safe_angle(gap.area, dot(gap.from, gap.to));
   return pick(cut.visible > 0.5f, clamp(sum / (2.0f * PI_EXACT), 0.0f, 1.0f), 0.0f);
 }
@@ -348,13 +360,13 @@ float diffuse_ellipse(vec3 n, vec3 centre, vec3 u, vec3 v)
 // L = N/(2 pi) int (u.r)^n du over an ellipse for n >= 9, cut to the half space of r and to that of n.
 float ellipse_lobe(vec3 r, float exponent, vec3 n, vec3 centre, vec3 u, vec3 v)
 {
-  vec3 w = wound_axis(u, v, centre);
+  Outline o = outline_of(centre, u, v);
   Poles poles = two_poles(exponent);
-  EllipseCone cone = ellipse_cone(u, w, centre, r);
+  EllipseCone cone = ellipse_cone(o.u, o.v, centre, r);
   Factors first = factors_of(cone, poles.b1, followed_root(cone, poles.b1));
   Factors second = factors_of(cone, poles.b2, followed_root(cone, poles.b2));
-  OutlineCut front = outline_cut(u, w, centre, r);
-  OutlineCut over = outline_cut(u, w, centre, n);
+  OutlineCut front = outline_cut(o.u, o.v, centre, r);
+  OutlineCut over = outline_cut(o.u, o.v, centre, n);
   // Two planes that are one cut once.
   vec3 apart = n - r;
   float same = pick(dot(apart, apart) < 1e-10f, 1.0f, 0.0f);
@@ -378,9 +390,9 @@ float ellipse_lobe(vec3 r, float exponent, vec3 n, vec3 centre, vec3 u, vec3 v)
               b.begins * (ellipse_pole_along(first, b.arc, poles.w1) + ellipse_pole_along(second, b.arc, poles.w2));
 
   // The chords: in r's plane all poles add up to the angle; in the horizon it is an edge like any other.
-  Edge behind = outline_gap(front, u, w, centre, r);
+  Edge behind = outline_gap(front, o.u, o.v, centre, r);
   behind = clip_edge(behind, pick(same > 0.5f, 1.0f, dot(behind.from, n)), pick(same > 0.5f, 1.0f, dot(behind.to, n)));
-  Edge below = outline_gap(over, u, w, centre, n);
+  Edge below = outline_gap(over, o.u, o.v, centre, n);
   sum = sum + safe_angle(behind.area, dot(behind.from, behind.to)) +
         poles_along(arc_of(below, r, dot(below.from, r), dot(below.to, r)), poles);
   float seen = min(front.visible, over.visible);
@@ -388,12 +400,6 @@ float ellipse_lobe(vec3 r, float exponent, vec3 n, vec3 centre, vec3 u, vec3 v)
 }
 
 // A sphere is seen as the circle on its tangent cone. The origin lies outside it.
-struct Outline {
-  vec3 centre;
-  vec3 u;
-  vec3 v;
-};
-
 Outline sphere_outline(vec3 centre, float radius)
 {
   vec3 towards = unit_or_zero(centre);
