@@ -44,9 +44,10 @@ double double_moment(std::span<const glm::dvec3> polygon, const glm::dvec3 &axis
     corners.count = polygon.size();
     std::copy(polygon.begin(), polygon.end(), std::begin(corners.vertices));
     const double n = exponent;
-    const double moment = exponent == 0 ? 0.0 : along_boundary(corners, r, nullptr, [&](const Edge &edge, double from, double to) {
-        return arvo_along(unit_arc_of(edge, r, from, to), exponent - 1);
-    });
+    const double moment =
+        exponent == 0 ? 0.0 : along_boundary(corners, r, nullptr, [&](const Edge &edge, double from, double to) {
+            return arvo_along(unit_arc_of(edge, r, from, to), exponent - 1);
+        });
     double sum = dot(r, b) * moment;
     Gap behind = no_gap();
     for (std::size_t i = 0; i < corners.count; ++i) {

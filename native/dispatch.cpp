@@ -25,7 +25,7 @@ namespace {
 
 #define SFUMATO_TABLE(ISA, LANES)                                                                                      \
     Kernels {                                                                                                          \
-#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::integrate_lights                                      \
+#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::integrate_lights               \
     }
 
 std::vector<Kernels> runnable() {

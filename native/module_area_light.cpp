@@ -103,7 +103,8 @@ struct RoundLights {
             const auto product_of = [](const Number *x, const Number *y) {
                 return x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
             };
-            if (std::abs(product_of(a, b)) > static_cast<Number>(1e-4) * std::sqrt(product_of(a, a) * product_of(b, b))) {
+            if (std::abs(product_of(a, b)) >
+                static_cast<Number>(1e-4) * std::sqrt(product_of(a, a) * product_of(b, b))) {
                 throw py::value_error("u and v at flat index " + text(i) + " have the product " +
                                       text(product_of(a, b)) + ", but must be perpendicular");
             }

@@ -99,9 +99,10 @@ sfumato.polygon_integral. method 'boundary': quadrature along the edges, any n; 
 >>> [reference.polygon_integral(square, [0.2, 0, 1], 8, method=way).round(9).item() for way in ways]
 [0.983080937, 0.983080937, 0.983080937]
 )");
-    m.def("sphere_integral", &sphere_integral, py::arg("centre"), py::arg("radius"), py::arg("axis"),
-          py::arg("exponent"), py::arg("normal") = py::none(),
-          R"(The same over spheres, by adaptive quadrature along their outlines. Arguments as in sfumato.sphere_integral.
+    m.def(
+        "sphere_integral", &sphere_integral, py::arg("centre"), py::arg("radius"), py::arg("axis"), py::arg("exponent"),
+        py::arg("normal") = py::none(),
+        R"(The same over spheres, by adaptive quadrature along their outlines. Arguments as in sfumato.sphere_integral.
 
 >>> reference.sphere_integral([0, 0, 2], 1, [0, 0, 1], 1).round(9).item()
 0.25

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The judge of area lights: int over the light's directions, in double precision. Lights are seen from the origin and
-// have radiance 1; winding does not matter. What lies behind the plane of `axis`, or below that of `normal`, is cut off.
+// have radiance 1; winding does not matter. What lies behind the plane of `axis`, or below that of `normal`, is cut
+// off.
 #pragma once
 
 #include <optional>
