@@ -13,12 +13,12 @@
 struct EllipseCone {
   vec3 nu;
   vec3 along; // r.u, r.v, r.centre
-  float xx;   // the products of u, v, centre across r: S = these + B along along^T
-  float yy;
-  float zz;
-  float xy;
-  float xz;
-  float yz;
+  float uu;   // the products of u, v, centre across r: S = these + B along along^T
+  float vv;
+  float cc;
+  float uv;
+  float uc;
+  float vc;
   float square0; // det(S - lambda J) = lambda^3 + square lambda^2 + linear lambda + constant, each of the form a + B b
   float square1;
   float linear0;
@@ -42,16 +42,16 @@ EllipseCone ellipse_cone(vec3 u, vec3 v, vec3 centre, vec3 r)
   vec3 wu = u - r * cone.along.x;
   vec3 wv = v - r * cone.along.y;
   vec3 wc = centre - r * cone.along.z;
-  cone.xx = dot(wu, wu);
-  cone.yy = dot(wv, wv);
-  cone.zz = dot(wc, wc);
-  cone.xy = dot(wu, wv);
-  cone.xz = dot(wu, wc);
-  cone.yz = dot(wv, wc);
+  cone.uu = dot(wu, wu);
+  cone.vv = dot(wv, wv);
+  cone.cc = dot(wc, wc);
+  cone.uv = dot(wu, wv);
+  cone.uc = dot(wu, wc);
+  cone.vc = dot(wv, wc);
   vec3 uv_across = uv - r * cone.nu.z;
   vec3 cv_across = cv - r * cone.nu.x;
   vec3 uc_across = uc - r * cone.nu.y;
-  cone.square0 = cone.zz - cone.xx - cone.yy;
+  cone.square0 = cone.cc - cone.uu - cone.vv;
   cone.square1 = squared(cone.along.z) - squared(cone.along.x) - squared(cone.along.y);
   cone.linear0 = squared(cone.nu.z) - squared(cone.nu.x) - squared(cone.nu.y);
   cone.linear1 = dot(uv_across, uv_across) - dot(cv_across, cv_across) - dot(uc_across, uc_across);
@@ -65,7 +65,7 @@ float negative_root(EllipseCone cone, float b)
   float c2 = cone.square0 + b * cone.square1;
   float c1 = cone.linear0 + b * cone.linear1;
   float c0 = b * cone.constant1;
-  float x = -(cone.zz + b * squared(cone.along.z));
+  float x = -(cone.cc + b * squared(cone.along.z));
   for (int step = 0; step < 5; ++step) {
     float f = ((x + c2) * x + c1) * x + c0;
     float slope = (3.0f * x + 2.0f * c2) * x + c1;
@@ -123,12 +123,12 @@ Factors factors_of(EllipseCone cone, Complex b, Complex lambda)
 {
   vec3 g = cone.along;
   Complex one = complex(1.0f, 0.0f);
-  Complex xx = complex_sub(entry_of(cone.xx, g.x * g.x, b), lambda);
-  Complex yy = complex_sub(entry_of(cone.yy, g.y * g.y, b), lambda);
+  Complex xx = complex_sub(entry_of(cone.uu, g.x * g.x, b), lambda);
+  Complex yy = complex_sub(entry_of(cone.vv, g.y * g.y, b), lambda);
   Complex inverse = complex_div(one, xx);
-  Complex xy = complex_mul(entry_of(cone.xy, g.x * g.y, b), inverse); // all over xx from here on
-  Complex xz = complex_mul(entry_of(cone.xz, g.x * g.z, b), inverse);
-  Complex yz = complex_mul(entry_of(cone.yz, g.y * g.z, b), inverse);
+  Complex xy = complex_mul(entry_of(cone.uv, g.x * g.y, b), inverse); // all over xx from here on
+  Complex xz = complex_mul(entry_of(cone.uc, g.x * g.z, b), inverse);
+  Complex yz = complex_mul(entry_of(cone.vc, g.y * g.z, b), inverse);
   // (1 - b)/(1 + b) for the product b of two zeros inside the circle has a positive real part: so does this root.
   Complex minor = complex_sub(complex_mul(yy, inverse), complex_mul(xy, xy));
   Complex root = complex_sqrt(minor);
