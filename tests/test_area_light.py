@@ -144,12 +144,26 @@ def test_cosine_about_the_normal_is_lambert() -> None:
 
 @pytest.mark.parametrize("exponent", [10, 100, 500, 5000, 100000])
 def test_poles_meet_their_targets(exponent: int) -> None:
+    poles = next(row for row in cosine_rows(random_polygons(2000), exponent) if row["method"] == "poles-2")
+    assert poles["error"] < 3e-5
+    assert poles["max_error"] < 1e-4
+    assert poles["p95_relative"] < 3e-3
+
+
+# The same error of the same formulas in an independent program, over other polygons.
+ELSEWHERE = {
+    10: (0.0025, 0.0014, 0.0009),
+    100: (0.0064, 0.0037, 0.0054),
+    500: (0.0065, 0.0041, 0.0016),
+    5000: (0.0053, 0.0047, 0.0033),
+}
+
+
+@pytest.mark.parametrize("exponent", ELSEWHERE)
+def test_published_methods_err_as_published(exponent: int) -> None:
     rows = {row["method"]: row for row in cosine_rows(random_polygons(2000), exponent)}
-    assert rows["poles-2"]["error"] < 3e-5
-    assert rows["poles-2"]["max_error"] < 1e-4
-    assert rows["poles-2"]["p95_relative"] < 3e-3
-    for method, error in zip(PUBLISHED, (0.0068, 0.0045, 0.0056)):  # the paper's own: .0055, .0036, .0017 at most
-        assert 1e-4 < rows[method]["error"] < error
+    for method, error in zip(PUBLISHED, ELSEWHERE[exponent]):
+        assert 0.3 * error < rows[method]["error"] < 1.5 * error
 
 
 @pytest.mark.parametrize("case", ["sphere", "ellipse"])
