@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <type_traits>
+#include <vector>
 
 namespace sfumato {
 namespace glsl_double {
@@ -62,7 +63,11 @@ double double_moment(std::span<const glm::dvec3> polygon, const glm::dvec3 &axis
     return -sum / (n + 2.0);
 }
 
-CosineLobe product_of_lobes(std::span<const glm::dvec3> axes, std::span<const double> exponents) {
+CosineLobe product_of_lobes(std::span<const glm::dvec3> given, std::span<const double> exponents) {
+    std::vector<glm::dvec3> axes;
+    for (const glm::dvec3 &axis : given) {
+        axes.push_back(glm::normalize(axis));
+    }
     // The product's peak: where sum_i n_i r_i / (u.r_i) is parallel to u. Four steps from the mean axis.
     glm::dvec3 u(0.0);
     for (std::size_t i = 0; i < axes.size(); ++i) {

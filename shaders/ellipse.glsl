@@ -13,12 +13,12 @@
 struct EllipseCone {
   vec3 nu;
   vec3 along; // r.u, r.v, r.centre
-  float xx;   // the products of u, v, centre across r: S = these + B along along^T
-  float yy;
-  float zz;
-  float xy;
-  float xz;
-  float yz;
+  float uu;   // the products of u, v, centre across r: S = these + B along along^T
+  float vv;
+  float cc;
+  float uv;
+  float uc;
+  float vc;
   float square0; // det(S - lambda J) = lambda^3 + square lambda^2 + linear lambda + constant, each of the form a + B b
   float square1;
   float linear0;
@@ -42,16 +42,16 @@ EllipseCone ellipse_cone(vec3 u, vec3 v, vec3 centre, vec3 r)
   vec3 wu = u - r * cone.along.x;
   vec3 wv = v - r * cone.along.y;
   vec3 wc = centre - r * cone.along.z;
-  cone.xx = dot(wu, wu);
-  cone.yy = dot(wv, wv);
-  cone.zz = dot(wc, wc);
-  cone.xy = dot(wu, wv);
-  cone.xz = dot(wu, wc);
-  cone.yz = dot(wv, wc);
+  cone.uu = dot(wu, wu);
+  cone.vv = dot(wv, wv);
+  cone.cc = dot(wc, wc);
+  cone.uv = dot(wu, wv);
+  cone.uc = dot(wu, wc);
+  cone.vc = dot(wv, wc);
   vec3 uv_across = uv - r * cone.nu.z;
   vec3 cv_across = cv - r * cone.nu.x;
   vec3 uc_across = uc - r * cone.nu.y;
-  cone.square0 = cone.zz - cone.xx - cone.yy;
+  cone.square0 = cone.cc - cone.uu - cone.vv;
   cone.square1 = squared(cone.along.z) - squared(cone.along.x) - squared(cone.along.y);
   cone.linear0 = squared(cone.nu.z) - squared(cone.nu.x) - squared(cone.nu.y);
   cone.linear1 = dot(uv_across, uv_across) - dot(cv_across, cv_across) - dot(uc_across, uc_across);
@@ -65,7 +65,7 @@ float negative_root(EllipseCone cone, float b)
   float c2 = cone.square0 + b * cone.square1;
   float c1 = cone.linear0 + b * cone.linear1;
   float c0 = b * cone.constant1;
-  float x = -(cone.zz + b * squared(cone.along.z));
+  float x = -(cone.cc + b * squared(cone.along.z));
   for (int step = 0; step < 5; ++step) {
     float f = ((x + c2) * x + c1) * x + c0;
     float slope = (3.0f * x + 2.0f * c2) * x + c1;
@@ -81,9 +81,9 @@ Complex followed_root(EllipseCone cone, Complex b)
 {
   float size = sqrt(complex_norm(b));
   Complex lambda = complex(negative_root(cone, size), 0.0f);
-  Complex turn = complex_sqrt(complex_sqrt(complex_scale(1.0f / size, b)));
+  Complex turn = complex_sqrt(complex_sqrt(complex_sqrt(complex_scale(1.0f / size, b))));
   Complex now = complex(size, 0.0f);
-  for (int step = 0; step < 4; ++step) {
+  for (int step = 0; step < 8; ++step) {
     now = complex_mul(now, turn);
     Complex c2 = complex(cone.square0 + cone.square1 * now.re, cone.square1 * now.im);
     Complex c1 = complex(cone.linear0 + cone.linear1 * now.re, cone.linear1 * now.im);
@@ -123,12 +123,12 @@ Factors factors_of(EllipseCone cone, Complex b, Complex lambda)
 {
   vec3 g = cone.along;
   Complex one = complex(1.0f, 0.0f);
-  Complex xx = complex_sub(entry_of(cone.xx, g.x * g.x, b), lambda);
-  Complex yy = complex_sub(entry_of(cone.yy, g.y * g.y, b), lambda);
+  Complex xx = complex_sub(entry_of(cone.uu, g.x * g.x, b), lambda);
+  Complex yy = complex_sub(entry_of(cone.vv, g.y * g.y, b), lambda);
   Complex inverse = complex_div(one, xx);
-  Complex xy = complex_mul(entry_of(cone.xy, g.x * g.y, b), inverse); // all over xx from here on
-  Complex xz = complex_mul(entry_of(cone.xz, g.x * g.z, b), inverse);
-  Complex yz = complex_mul(entry_of(cone.yz, g.y * g.z, b), inverse);
+  Complex xy = complex_mul(entry_of(cone.uv, g.x * g.y, b), inverse); // all over xx from here on
+  Complex xz = complex_mul(entry_of(cone.uc, g.x * g.z, b), inverse);
+  Complex yz = complex_mul(entry_of(cone.vc, g.y * g.z, b), inverse);
   // (1 - b)/(1 + b) for the product b of two zeros inside the circle has a positive real part: so does this root.
   Complex minor = complex_sub(complex_mul(yy, inverse), complex_mul(xy, xy));
   Complex root = complex_sqrt(minor);
@@ -226,183 +226,4 @@ float ellipse_pole_along(Factors factors, OutlineArc arc, Complex w)
   Complex sum = complex_add(complex_mul(factors.c3, turned),
                             complex_add(complex_mul(factors.c1, outer.inverse), complex_mul(factors.c2, inner.inverse)));
   return complex_mul(w, complex_mul(factors.scale, sum)).re;
-}
-
-// ---- Horizons ----
-
-// Heights over a plane, level + x cos(psi) + y sin(psi), and where the outline comes up through it and goes down again.
-struct OutlineCut {
-  float level;
-  float x;
-  float y;
-  float visible; // 0: nothing, 1: a part, 2: all
-  float entry_cos;
-  float entry_sin;
-  float exit_cos;
-  float exit_sin;
-  OutlineArc arc;
-};
-
-OutlineCut outline_cut(vec3 u, vec3 v, vec3 centre, vec3 n)
-{
-  OutlineCut cut;
-  cut.level = dot(centre, n);
-  cut.x = dot(u, n);
-  cut.y = dot(v, n);
-  float reach = sqrt(cut.x * cut.x + cut.y * cut.y);
-  cut.visible = pick(cut.level >= reach, 2.0f, pick(cut.level > -reach, 1.0f, 0.0f));
-  float inverse = 1.0f / max(reach, 1e-30f);
-  cut.arc.cos_h = clamp(-cut.level * inverse, -1.0f, 1.0f);
-  cut.arc.sin_h = sqrt(max((1.0f - cut.arc.cos_h) * (1.0f + cut.arc.cos_h), 0.0f));
-  cut.arc.middle_cos = pick(reach > 1e-30f, cut.x * inverse, 1.0f);
-  cut.arc.middle_sin = pick(reach > 1e-30f, cut.y * inverse, 0.0f);
-  cut.entry_cos = cut.arc.middle_cos * cut.arc.cos_h + cut.arc.middle_sin * cut.arc.sin_h;
-  cut.entry_sin = cut.arc.middle_sin * cut.arc.cos_h - cut.arc.middle_cos * cut.arc.sin_h;
-  cut.exit_cos = cut.arc.middle_cos * cut.arc.cos_h - cut.arc.middle_sin * cut.arc.sin_h;
-  cut.exit_sin = cut.arc.middle_sin * cut.arc.cos_h + cut.arc.middle_cos * cut.arc.sin_h;
-  OutlineArc whole = whole_outline();
-  cut.arc.middle_cos = pick(cut.visible > 1.5f, whole.middle_cos, cut.arc.middle_cos);
-  cut.arc.middle_sin = pick(cut.visible > 1.5f, whole.middle_sin, cut.arc.middle_sin);
-  cut.arc.cos_h = pick(cut.visible > 1.5f, whole.cos_h, cut.arc.cos_h);
-  cut.arc.sin_h = pick(cut.visible > 1.5f, whole.sin_h, cut.arc.sin_h);
-  return cut;
-}
-
-// The edge in the plane from where the outline leaves its half space to where it returns; no length where it does not.
-Edge outline_gap(OutlineCut cut, vec3 u, vec3 v, vec3 centre, vec3 n)
-{
-  float part = pick(abs(cut.visible - 1.0f) < 0.5f, 1.0f, 0.0f);
-  Gap gap;
-  gap.exit = (centre + u * cut.exit_cos + v * cut.exit_sin) * part;
-  gap.entry = (centre + u * cut.entry_cos + v * cut.entry_sin) * part;
-  return gap_edge(gap, n);
-}
-
-float height_at(OutlineCut cut, float cosine, float sine)
-{
-  return cut.level + cut.x * cosine + cut.y * sine;
-}
-
-// A number that grows with the angle from direction a to direction b, from 0 to 4.
-float turn_between(float a_cos, float a_sin, float b_cos, float b_sin)
-{
-  float cosine = a_cos * b_cos + a_sin * b_sin;
-  float sine = a_cos * b_sin - a_sin * b_cos;
-  return pick(sine < 0.0f, 3.0f + cosine, 1.0f - cosine);
-}
-
-OutlineArc arc_between(float a_cos, float a_sin, float b_cos, float b_sin)
-{
-  float x = b_cos - a_cos;
-  float y = b_sin - a_sin;
-  float chord = sqrt(x * x + y * y);
-  float sine = a_cos * b_sin - a_sin * b_cos;
-  OutlineArc arc;
-  arc.sin_h = min(0.5f * chord, 1.0f);
-  arc.cos_h = pick(sine < 0.0f, -1.0f, 1.0f) * 0.5f * sqrt(squared(a_cos + b_cos) + squared(a_sin + b_sin));
-  arc.middle_cos = pick(chord > 1e-12f, y / max(chord, 1e-12f), a_cos);
-  arc.middle_sin = pick(chord > 1e-12f, -x / max(chord, 1e-12f), a_sin);
-  return arc;
-}
-
-// The arc that begins where the outline comes up through plane a, if that is in front of plane b, up to where it goes
-// down through either. `begins` is 0 or 1.
-struct BegunArc {
-  OutlineArc arc;
-  float begins;
-};
-
-BegunArc begun_arc(OutlineCut a, OutlineCut b)
-{
-  float to_a = turn_between(a.entry_cos, a.entry_sin, a.exit_cos, a.exit_sin);
-  float to_b = turn_between(a.entry_cos, a.entry_sin, b.exit_cos, b.exit_sin);
-  float first = pick(b.visible > 1.5f, 1.0f, pick(to_a < to_b, 1.0f, 0.0f));
-  BegunArc begun;
-  begun.arc = arc_between(a.entry_cos, a.entry_sin, pick(first > 0.5f, a.exit_cos, b.exit_cos),
-                          pick(first > 0.5f, a.exit_sin, b.exit_sin));
-  float within = pick(b.visible > 1.5f, 1.0f, pick(height_at(b, a.entry_cos, a.entry_sin) >= 0.0f, 1.0f, 0.0f));
-  begun.begins = within * pick(abs(a.visible - 1.0f) < 0.5f, 1.0f, 0.0f) * pick(b.visible > 0.5f, 1.0f, 0.0f);
-  return begun;
-}
-
-// v turned so that the outline is clockwise seen from the origin.
-vec3 wound_axis(vec3 u, vec3 v, vec3 centre)
-{
-  return v * pick(dot(centre, cross(u, v)) < 0.0f, -1.0f, 1.0f);
-}
-
-// Irradiance / pi on a surface with the unit normal n from an ellipse of radiance 1 with perpendicular half axes u and
-// v. Exact, horizon-cut ones included: Lambert's cosine is the pole B = 1, and lambda is real.
-float diffuse_ellipse(vec3 n, vec3 centre, vec3 u, vec3 v)
-{
-  vec3 w = wound_axis(u, v, centre);
-  Complex one = complex(1.0f, 0.0f);
-  EllipseCone cone = ellipse_cone(u, w, centre, n);
-  Factors factors = factors_of(cone, one, complex(negative_root(cone, 1.0f), 0.0f));
-  OutlineCut cut = outline_cut(u, w, centre, n);
-  Edge gap = outline_gap(cut, u, w, centre, n);
-  float sum = ellipse_pole_along(factors, cut.arc, one) + safe_angle(gap.area, dot(gap.from, gap.to));
-  return pick(cut.visible > 0.5f, clamp(sum / (2.0f * PI_EXACT), 0.0f, 1.0f), 0.0f);
-}
-
-// L = N/(2 pi) int (u.r)^n du over an ellipse for n >= 9, cut to the half space of r and to that of n.
-float ellipse_lobe(vec3 r, float exponent, vec3 n, vec3 centre, vec3 u, vec3 v)
-{
-  vec3 w = wound_axis(u, v, centre);
-  Poles poles = two_poles(exponent);
-  EllipseCone cone = ellipse_cone(u, w, centre, r);
-  Factors first = factors_of(cone, poles.b1, followed_root(cone, poles.b1));
-  Factors second = factors_of(cone, poles.b2, followed_root(cone, poles.b2));
-  OutlineCut front = outline_cut(u, w, centre, r);
-  OutlineCut over = outline_cut(u, w, centre, n);
-  // Two planes that are one cut once.
-  vec3 apart = n - r;
-  float same = pick(dot(apart, apart) < 1e-10f, 1.0f, 0.0f);
-  over.visible = pick(same > 0.5f, 2.0f, over.visible);
-
-  // The outline in front of both planes is whole, or up to two arcs. Where both planes cut it at one point, only one
-  // arc begins there.
-  BegunArc a = begun_arc(front, over);
-  BegunArc b = begun_arc(over, front);
-  float close = squared(front.entry_cos - over.entry_cos) + squared(front.entry_sin - over.entry_sin);
-  float both = a.begins * b.begins * pick(close < 1e-8f, 1.0f, 0.0f);
-  b.begins = b.begins * (1.0f - both);
-  float whole = pick(front.visible > 1.5f, pick(over.visible > 1.5f, 1.0f, 0.0f), 0.0f);
-  OutlineArc all = whole_outline();
-  a.arc.middle_cos = pick(whole > 0.5f, all.middle_cos, a.arc.middle_cos);
-  a.arc.middle_sin = pick(whole > 0.5f, all.middle_sin, a.arc.middle_sin);
-  a.arc.cos_h = pick(whole > 0.5f, all.cos_h, a.arc.cos_h);
-  a.arc.sin_h = pick(whole > 0.5f, all.sin_h, a.arc.sin_h);
-  a.begins = max(a.begins, whole);
-  float sum = a.begins * (ellipse_pole_along(first, a.arc, poles.w1) + ellipse_pole_along(second, a.arc, poles.w2)) +
-              b.begins * (ellipse_pole_along(first, b.arc, poles.w1) + ellipse_pole_along(second, b.arc, poles.w2));
-
-  // The chords: in r's plane all poles add up to the angle; in the horizon it is an edge like any other.
-  Edge behind = outline_gap(front, u, w, centre, r);
-  behind = clip_edge(behind, pick(same > 0.5f, 1.0f, dot(behind.from, n)), pick(same > 0.5f, 1.0f, dot(behind.to, n)));
-  Edge below = outline_gap(over, u, w, centre, n);
-  sum = sum + safe_angle(behind.area, dot(behind.from, behind.to)) +
-        poles_along(arc_of(below, r, dot(below.from, r), dot(below.to, r)), poles);
-  float seen = min(front.visible, over.visible);
-  return pick(seen > 0.5f, clamp(sum / (2.0f * PI_EXACT), 0.0f, 1.0f), 0.0f);
-}
-
-// A sphere is seen as the circle on its tangent cone. The origin lies outside it.
-struct Outline {
-  vec3 centre;
-  vec3 u;
-  vec3 v;
-};
-
-Outline sphere_outline(vec3 centre, float radius)
-{
-  vec3 towards = unit_or_zero(centre);
-  float sine = min(radius / sqrt(max(dot(centre, centre), 1e-36f)), 0.99999f);
-  vec3 aside = pick(abs(towards.x) < 0.5f, vec3(1.0f, 0.0f, 0.0f), vec3(0.0f, 1.0f, 0.0f));
-  vec3 across = unit_or_zero(cross(towards, aside));
-  Outline outline;
-  outline.centre = towards * sqrt((1.0f - sine) * (1.0f + sine));
-  outline.u = across * sine;
-  outline.v = cross(towards, across) * sine;
-  return outline;
 }
