@@ -123,8 +123,8 @@ double texel_edge(const CroppedMedium &medium, const glm::dvec3 &towards) {
 
 // Texels of at least the asked-for size, so many that they fill an extent within memory; the rim around them stays
 // empty.
-glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int count) {
-    const double least = std::sqrt(extent.x * extent.y * count / MOST_COEFFICIENTS); // thin cells ask for too many
+glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int floats) {
+    const double least = std::sqrt(extent.x * extent.y * floats / MOST_COEFFICIENTS);
     return glm::ivec2(glm::ceil(extent / std::max(texel, least))) + 2;
 }
 
@@ -177,7 +177,7 @@ LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direc
     LightMap map;
     map.count = settings.coefficients;
     const double texel = texel_edge(medium, glm::normalize(direction)) / settings.texels_per_cell;
-    map.size = texels_for(glm::dvec2(high - low), texel, map.count);
+    map.size = texels_for(glm::dvec2(high - low), texel, map.view().stride());
     const double fitted = std::max({texel, (high.x - low.x) / (map.size.x - 2), (high.y - low.y) / (map.size.y - 2)});
     const glm::dvec3 extent(glm::dvec2(map.size) * fitted, high.z - low.z);
     const glm::dvec3 origin = 0.5 * (low + high) - 0.5 * extent;
@@ -248,7 +248,7 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
     const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
     const double texel = texel_edge(medium, look) / (settings.texels_per_cell * reach);
     const glm::dvec2 extent(map.high - map.low);
-    map.size = texels_for(extent, texel, map.count);
+    map.size = texels_for(extent, texel, map.view().stride());
     // The rim of two texels must lie outside the smoke, unless the map is all that there is.
     const glm::dvec2 rim = extent / glm::dvec2(map.size - 2);
     map.low = glm::dvec3(glm::max(glm::dvec2(map.low) - rim, -1.0), map.low.z);

@@ -192,9 +192,9 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &me
         samples_.push_back(light_samples(view, media, settings.most_samples));
         LightMapSettings map = settings.map;
         if (samples_.back().size() > 1) {
-            // Each map is blurred by its neighbours: what is finer than a cell is lost anyway.
+            // Each map is blurred by its neighbours: half the detail does.
             map.coefficients = std::min(map.coefficients, 31);
-            map.texels_per_cell = std::min(map.texels_per_cell, 1.0);
+            map.texels_per_cell *= 0.5;
         }
         maps_.emplace_back(samples_.back().size() * media_);
         std::size_t at = 0;

@@ -31,15 +31,6 @@ inline Real spot_share(const LightView &light, const vec3 &from_light) {
     return light.spot_cosine ? fade * cosine : fade;
 }
 
-// The fluence around a sphere as a share of its falloff(). Its radiance is constant, so that it is the solid angle that
-// counts: 2 pi (1 - cos) from outside, everything from inside. A point is a sphere of the size that falloff() gives it.
-inline Real sphere_share(const LightView &light, const vec3 &from_middle) {
-    const Real distance2 = dot(from_middle, from_middle);
-    const Real sine2 = min(light.size2 / max(distance2, 1e-20F), 1.0F);
-    const Real height = pick(distance2 < light.size2, 2.0F, sine2 / (1.0F + sqrt(1.0F - sine2))); // 1 - cos
-    return 2.0F * height * (distance2 + light.size2) / light.size2;
-}
-
 // Each part of a sun's disk brings as much to a surface that faces its middle, and more to what faces the part. The
 // rim of a sun that fills half the sky would bring that surface next to nothing for infinitely much.
 constexpr float LOWEST_SUN = 0.02F;
@@ -51,8 +42,7 @@ inline Real sample_share(const LightView &light, const glm::vec3 &sample, const 
         return 1.0F / (count * std::max(-glm::dot(sample, light.direction), LOWEST_SUN));
     }
     if (light.kind == Light::Kind::SPHERE) {
-        return sphere_share(light, world - broadcast(light.position)) * spot_share(light, world - broadcast(sample)) *
-               (1.0F / count);
+        return spot_share(light, world - broadcast(sample)) * (1.0F / count);
     }
     const vec3 from_sample = world - broadcast(sample), from_middle = world - broadcast(light.position);
     const float patch = light.area / count;
@@ -60,7 +50,7 @@ inline Real sample_share(const LightView &light, const glm::vec3 &sample, const 
     const Real cosine = dot(from_sample, broadcast(light.direction)) / sqrt(max(distance2, 1e-20F));
     const Real sent = max(cosine, 0.0F) * spread_fade(cosine, light.spread_cotangent);
     // A patch of the light as large as a sample stands for is nowhere nearer than its own radius.
-    return sent * patch * falloff(distance2, patch * 0.318F) / falloff_of(light, from_middle);
+    return sent * patch / ((distance2 + patch * 0.318F) * falloff_of(light, from_middle));
 }
 
 // Two unit vectors at right angles to n and to each other: Duff et al., "Building an orthonormal basis, revisited",

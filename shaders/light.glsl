@@ -29,11 +29,13 @@ vec3 octahedral_direction(Octahedral place)
   return vec3(x * scale, y * scale, z * scale);
 }
 
-// A light at the distance whose square is given, by the inverse square law. `size2`, the square of its own size, keeps
-// smoke that touches the light from growing without bounds.
-float falloff(float distance2, float size2)
+// The irradiance that a sphere of intensity 1 brings to what faces it everywhere, smoke for one: its radiance is constant,
+// so it is the solid angle that counts, 2 pi (1 - cos), which from afar is the inverse square law. Both arguments are
+// squares. Smoke inside the light has what it has on its surface.
+float falloff(float distance2, float radius2)
 {
-  return 1.0f / (distance2 + size2);
+  float sine2 = min(radius2 / max(distance2, 1e-20f), 1.0f);
+  return 2.0f / ((1.0f + sqrt(1.0f - sine2)) * max(max(distance2, radius2), 1e-20f));
 }
 
 // A spot in a direction whose cosine to its axis is given: it fades in over the share `blend` of its cone, measured in

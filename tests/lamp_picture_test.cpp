@@ -39,6 +39,7 @@ std::vector<glm::dvec4> exactly(const Scene &scene, unsigned per_axis) {
 FrameSettings with_samples(int samples) {
     FrameSettings settings = finest;
     settings.light_samples = samples;
+    settings.texels_per_cell = 4.0; // large lights take half of it
     return settings;
 }
 

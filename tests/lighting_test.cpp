@@ -34,7 +34,7 @@ struct Lit {
     Lit(const Scene &scene, int samples, const Kernels &with = kernels())
         : surfaces(scene.meshes), media(cropped(scene)),
           grey(std::all_of(media.begin(), media.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
-          lighting(scene.lights, media, surfaces.view(), {{31, 2.0}, samples}, grey, with) {}
+          lighting(scene.lights, media, surfaces.view(), {{31, 4.0}, samples}, grey, with) {}
 
     static std::vector<CroppedMedium> cropped(const Scene &scene) {
         std::vector<CroppedMedium> out;
@@ -245,7 +245,8 @@ TEST(LightVolume, OfColouredSmokeIsThatOfThreeGreyOnes) {
                 });
                 std::size_t cell = 0;
                 for_each_lit_cell(coloured, m, i, 1, [&](const glm::dvec3 &, const float *values) {
-                    EXPECT_NEAR(values[c], depths[cell], 2e-5F);
+                    // The strongest colour decides on each ray's range, so the series are not the same.
+                    EXPECT_NEAR(values[c], depths[cell], 1e-4F);
                     EXPECT_EQ(values[3], shares[cell++]);
                 });
             }

@@ -83,7 +83,7 @@ TEST(Octahedral, KeepsNeighboursTogether) {
 TEST(Falloff, IsTheInverseSquareFarAwayAndFiniteNearby) {
     EXPECT_NEAR(glsl::falloff(100.0F, 0.01F), 0.01F, 2e-6F);
     EXPECT_EQ(glsl::falloff(4.0F, 0.0F), 0.25F);
-    EXPECT_EQ(glsl::falloff(0.0F, 0.25F), 4.0F);
+    EXPECT_EQ(glsl::falloff(0.0F, 0.25F), 8.0F); // 2 pi times its radiance, 1 / (pi radius^2)
     EXPECT_GT(glsl::falloff(1.0F, 0.1F), glsl::falloff(1.1F, 0.1F));
 }
 
