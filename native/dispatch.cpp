@@ -2,6 +2,7 @@
 // Chooses the kernels of this processor. CMake names the instruction sets that it compiled.
 #include "area_light.hpp"
 #include "kernels.hpp"
+#include "microfacet.hpp"
 
 #include <vector>
 
@@ -12,6 +13,7 @@
     void look_up(const LightMapView &, const float *, float *, int);                                                   \
     void trace(const FrameView &, const Packet &, Light &);                                                            \
     void integrate_lights(const LightBatch<float> &);                                                                  \
+    void reflect_lights(const MicrofacetBatch<float> &);                                                               \
     }
 
 SFUMATO_DECLARE(baseline)
@@ -25,7 +27,8 @@ namespace {
 
 #define SFUMATO_TABLE(ISA, LANES)                                                                                      \
     Kernels {                                                                                                          \
-#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::integrate_lights                                      \
+#ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::integrate_lights,              \
+            ISA::reflect_lights                                                                                        \
     }
 
 std::vector<Kernels> runnable() {

@@ -18,6 +18,8 @@ constexpr int MAX_LANES = 16;
 
 template <typename Number>
 struct LightBatch; // area_light.hpp
+template <typename Number>
+struct MicrofacetBatch; // microfacet.hpp
 
 // An affine map by its rows, (x, y, z, translation).
 struct Affine {
@@ -135,6 +137,7 @@ struct Kernels {
     void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
     void (*trace)(const FrameView &, const Packet &, Light &);
     void (*integrate_lights)(const LightBatch<float> &);
+    void (*reflect_lights)(const MicrofacetBatch<float> &);
 };
 
 // Every set of kernels that this processor runs, the widest last.

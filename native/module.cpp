@@ -190,6 +190,7 @@ PYBIND11_MODULE(sfumato, m) {
               "Anything unusable raises ValueError and says which argument it was.";
     m.attr("instruction_set") = kernels().name;
     bind_basis(m);
+    bind_microfacet(m);
     bind_opacity(m);
     bind_ray_storage(m);
 

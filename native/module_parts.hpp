@@ -7,8 +7,10 @@
 namespace sfumato {
 
 void bind_basis(pybind11::module_ &m);
+void bind_microfacet(pybind11::module_ &m);
 void bind_opacity(pybind11::module_ &m);
 void bind_ray_storage(pybind11::module_ &m);
 void bind_reference(pybind11::module_ &m);
+void bind_reference_microfacet(pybind11::module_ &m); // of the submodule
 
 } // namespace sfumato

@@ -112,6 +112,7 @@ sample the sun's disk from surfaces; step is the longest step along view rays in
 >>> reference.render(scene, Camera(np.eye(4)), width=2, height=1)[0, 0].tolist()
 [0.25, 0.5, 1.0, 0.0]
 )");
+    bind_reference_microfacet(m);
 }
 
 } // namespace sfumato
