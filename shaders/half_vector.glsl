@@ -230,7 +230,7 @@ struct ArcNode {
   vec3 turn;
 };
 
-// (x, y) turned by an angle of at most a third of a turn.
+// Taylor's series, for angles up to a quarter of a turn: 4e-6.
 float sine_of(float angle)
 {
   float x = angle * angle;
@@ -257,13 +257,15 @@ ArcNode node_at(HalfArc arc, Peaks peaks, float share, float weight)
 {
   float m1 = peaks.m1, m2 = peaks.m2, w1 = peaks.w1, w2 = peaks.w2;
   float total = peaks.angle1 + peaks.angle2;
-  // The phase at the nearer end, turned. FIRST_THIRD: shares beyond one half count from the other end.
+  // The phase at the nearer end, turned.
   float from_high = pick(share > 0.5f, 1.0f, 0.0f);
   float s = pick(share > 0.5f, arc.high, arc.low);
   float turn = total * min(share, 1.0f - share);
   float x = (s - m1) * (s - m2) - w1 * w2, y = -w1 * (s - m2) - w2 * (s - m1);
   float k = 1.0f / sqrt(max(x * x + y * y, TINY));
-  float cosine = cosine_of(turn), sine = sine_of(turn) * (1.0f - 2.0f * from_high);
+  float half_sine = sine_of(0.5f * turn);
+  float cosine = 1.0f - 2.0f * half_sine * half_sine, sine = 2.0f * half_sine * cosine_of(0.5f * turn);
+  sine = sine * (1.0f - 2.0f * from_high);
   float ex = (x * cosine - y * sine) * k, ey = (y * cosine + x * sine) * k;
   float qb = ey * (m1 + m2) - ex * (w1 + w2), qc = ex * (m1 * w2 + m2 * w1) - ey * (m1 * m2 - w1 * w2);
   float root = sqrt(max(qb * qb + 4.0f * ey * qc, 0.0f));

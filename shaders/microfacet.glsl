@@ -153,8 +153,20 @@ float node_flux(Microfacets m, ArcNode node)
   return 0.5f * dot(m.weight, node.turn);
 }
 
-// GGX: exact. Else by Kronrod's five nodes, two of which are Gauss's two, which the mean below needs anyway.
-#define KRONROD_NODE 0.0370899500115f
+// GGX: exact. Else by Gauss's two nodes on each of LOBE_PANELS equal shares of the arc's phase.
+#define LOBE_PANELS 3
+
+float lobe_flux(Microfacets m, HalfArc half_arc, Peaks peaks)
+{
+  float flux = 0.0f, panel = 1.0f / float(LOBE_PANELS), start = 0.0f;
+  for (int k = 0; k < LOBE_PANELS; ++k) {
+    ArcNode a = node_at(half_arc, peaks, start + OPEN_NODE * panel, 0.5f * panel);
+    ArcNode b = node_at(half_arc, peaks, start + (1.0f - OPEN_NODE) * panel, 0.5f * panel);
+    flux = flux + node_flux(m, of_lobe(m, a)) + node_flux(m, of_lobe(m, b));
+    start = start + panel;
+  }
+  return flux;
+}
 
 RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node)
 {
@@ -168,13 +180,7 @@ RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node)
     arc.flux = rational_integral(half_arc, peaks, g0, g1, g2);
   }
   if (m.brdf != BRDF_GGX) {
-    arc.a = of_lobe(m, arc.a);
-    arc.b = of_lobe(m, arc.b);
-    ArcNode first = of_lobe(m, node_at(half_arc, peaks, KRONROD_NODE, 0.0989899494949494949f));
-    ArcNode centre = of_lobe(m, node_at(half_arc, peaks, 0.5f, 0.311111111111111111f));
-    ArcNode last = of_lobe(m, node_at(half_arc, peaks, 1.0f - KRONROD_NODE, 0.0989899494949494949f));
-    arc.flux = 0.490909090909090909f * (node_flux(m, arc.a) + node_flux(m, arc.b)) + node_flux(m, first) +
-               node_flux(m, centre) + node_flux(m, last);
+    arc.flux = lobe_flux(m, half_arc, peaks);
   }
   return arc;
 }
@@ -182,6 +188,27 @@ RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node)
 vec3 turns(RimArc arc)
 {
   return arc.a.turn + arc.b.turn;
+}
+
+// Towards the middle of what the outline encloses, weighted with the lobe.
+vec3 lobe_turns(Microfacets m, RimArc arc)
+{
+  vec3 sum = turns(arc);
+  if (m.brdf != BRDF_GGX) {
+    sum = of_lobe(m, arc.a).turn + of_lobe(m, arc.b).turn;
+  }
+  return sum;
+}
+
+// The lobe over the guide at p, times a constant, as a logarithm.
+float log_lobe(Microfacets m, vec3 p)
+{
+  float z2 = max(p.z * p.z, 1e-6f), slope2 = GUIDE * GUIDE * (p.x * p.x + p.y * p.y) / z2, log_density = -slope2;
+  if (m.brdf == BRDF_BLINN_PHONG) {
+    float a2 = m.rough.x * m.rough.x;
+    log_density = (-1.0f / a2 - 1.0f) * log(1.0f + a2 * slope2);
+  }
+  return max(log_density - 2.0f * log(z2), -60.0f);
 }
 
 RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
@@ -209,6 +236,7 @@ struct Mean {
   vec3 apex;
   Reflection at_apex;
   float apex_weight;
+  float apex_lobe;
   float weight;
   float plain;
   float schlick;
@@ -222,6 +250,10 @@ Mean mean_about(Microfacets m, vec3 middle)
   mean.apex = unit(vec3(middle.x, middle.y, max(middle.z, 1e-6f)));
   mean.at_apex = masking(m, mean.apex);
   mean.apex_weight = 0.111111111111111111f * dot(m.weight, mean.apex);
+  mean.apex_lobe = 0.0f;
+  if (m.brdf != BRDF_GGX) {
+    mean.apex_lobe = log_lobe(m, mean.apex);
+  }
   mean.weight = 0.0f;
   mean.plain = 0.0f;
   mean.schlick = 0.0f;
@@ -237,6 +269,9 @@ Mean with_node(Mean mean, Microfacets m, ArcNode node)
   float solid_angle = dot(mean.apex, node.turn) / max(1.0f + dot(mean.apex, node.point), 1e-3f);
   float at_apex = solid_angle * mean.apex_weight;
   float at_node = 0.888888888888888889f * solid_angle * dot(m.weight, p);
+  if (m.brdf != BRDF_GGX) {
+    at_node = at_node * exp(min(log_lobe(m, p) - mean.apex_lobe, 20.0f));
+  }
   mean.weight = mean.weight + at_apex + at_node;
   mean.plain = mean.plain + at_apex * mean.at_apex.plain + at_node * g.plain;
   mean.schlick = mean.schlick + at_apex * mean.at_apex.schlick + at_node * g.schlick;
