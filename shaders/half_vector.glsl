@@ -94,6 +94,8 @@ HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
   float x = dot(mirror, a), y = dot(mirror, side), to_b = dot(mirror, b);
   vec3 end = pick(x > to_b, a, b);
   vec3 nearest = pick(x * dot(b, side) < y * dot(b, a), end, unit(a * x + side * y));
+  // Seen from a pole of its circle, all of the arc is equally near.
+  nearest = pick(x * x + y * y < 1e-12f, a, nearest);
   vec3 axis = pick(y < 0.0f, end, nearest);
   float along = dot(chord, axis);
   side = unit(chord - axis * along);
@@ -123,9 +125,9 @@ HalfArc small_arc(vec3 view, vec3 stretch, vec3 centre, vec3 x, vec3 y, float co
 {
   vec3 mirror = mirrored(view);
   float c = dot(mirror, x), s = dot(mirror, y);
-  float k = 1.0f / sqrt(max(c * c + s * s, TINY));
-  c = c * k;
-  s = s * k;
+  float length2 = c * c + s * s, k = 1.0f / sqrt(max(length2, TINY));
+  c = pick(length2 < 1e-20f, 1.0f, c * k);
+  s = pick(length2 < 1e-20f, 0.0f, s * k);
   vec3 axis = x * c + y * s, side = y * c - x * s, middle = view + centre;
   HalfArc arc;
   float two = 2.0f;
