@@ -216,8 +216,8 @@ float rational_integral(HalfArc arc, Peaks peaks, float g0, float g1, float g2)
   float q_re1 = d * d - sums, q_im1 = 2.0f * d * w1, q_re2 = d * d + sums, q_im2 = -2.0f * d * w2;
   float g_re1 = g0 + g1 * m1 + g2 * (m1 * m1 - w1 * w1), g_im1 = w1 * (g1 + 2.0f * g2 * m1);
   float g_re2 = g0 + g1 * m2 + g2 * (m2 * m2 - w2 * w2), g_im2 = w2 * (g1 + 2.0f * g2 * m2);
-  float k1 = 1.0f / (w1 * max(q_re1 * q_re1 + q_im1 * q_im1, TINY));
-  float k2 = 1.0f / (w2 * max(q_re2 * q_re2 + q_im2 * q_im2, TINY));
+  float k1 = 1.0f / max(w1 * (q_re1 * q_re1 + q_im1 * q_im1), TINY);
+  float k2 = 1.0f / max(w2 * (q_re2 * q_re2 + q_im2 * q_im2), TINY);
   float at_angle1 = (g_re1 * q_re1 + g_im1 * q_im1) * k1, at_angle2 = (g_re2 * q_re2 + g_im2 * q_im2) * k2;
   float at_log = (g_im1 * q_re1 - g_re1 * q_im1) * k1; // its like at z2 is the opposite: the integrand falls as 1/s^2
   float ratio1 = from_root(arc.high, m1, w1) / from_root(arc.low, m1, w1);

@@ -336,8 +336,9 @@ Reflection reflected(Mean mean, float flux)
   float amount = 0.318309886183790672f * abs(flux);
   float plain = min(max(mean.plain * k, 0.0f), mean.most);
   Reflection light;
-  light.schlick = amount * min(max(mean.schlick * k, 0.0f), plain);
-  light.plain = amount * plain;
+  // Energy: a surface lit by radiance 1 from everywhere sends no more.
+  light.plain = min(amount * plain, 1.0f);
+  light.schlick = min(amount * min(max(mean.schlick * k, 0.0f), plain), light.plain);
   return light;
 }
 
