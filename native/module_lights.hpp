@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Area lights as Python hands them over: any leading axes, then one light; other quantities one a light, or one for all.
+// Area lights as Python hands them over: any leading axes, then one light; other quantities one a light, or one for
+// all.
 #pragma once
 
 #include "area_light.hpp"
@@ -109,7 +110,7 @@ struct Polygons {
     std::size_t width;
     std::vector<std::int32_t> counts;
 
-  private:
+private:
     void require_sound(std::size_t polygon) const {
         const std::size_t n = static_cast<std::size_t>(counts[polygon]);
         std::array<glm::dvec3, 64> v;

@@ -97,12 +97,12 @@ float normal_density(Microfacets m, vec3 h)
 Reflection masking(Microfacets m, vec3 p)
 {
   vec3 h = times(m.squash, p);
-  float n = 1.0f / max(dot(h, h), TINY);
-  float along = dot(m.view, h);
-  float two = 2.0f * along * n;
+  float inverse = inversesqrt(max(dot(h, h), TINY));
+  float along = dot(m.view, h) * inverse;
+  float two = 2.0f * along * inverse;
   vec3 i = h * two - m.view;
   i.z = max(i.z, 0.0f);
-  float miss = clamp(1.0f - along * sqrt(n), 0.0f, 1.0f);
+  float miss = clamp(1.0f - along, 0.0f, 1.0f);
   // 1 / G2 = 1 + Lambda(v) + Lambda(i), times n.v and n.i.
   float shadowed = reach(m.brdf, m.rough, i);
   Reflection g;

@@ -4,7 +4,7 @@
 
 // ---- The horizon ----
 
-// The part above the horizon of an edge, and where it crosses on the way down (leave) or up (enter).
+// The part above the horizon of the edge between two directions, and where it crosses on the way down (leave) or up (enter).
 struct LitEdge {
   vec3 a;
   vec3 b;
@@ -19,8 +19,8 @@ LitEdge lit_edge(vec3 a, vec3 b)
   vec3 crossing = unit(vec3(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), zero));
   vec3 none = vec3(zero, zero, zero), zenith = vec3(zero, zero, 1.0f);
   LitEdge edge;
-  edge.a = pick(a.z < 0.0f, pick(b.z < 0.0f, zenith, crossing), unit(a));
-  edge.b = pick(b.z < 0.0f, pick(a.z < 0.0f, zenith, crossing), unit(b));
+  edge.a = pick(a.z < 0.0f, pick(b.z < 0.0f, zenith, crossing), a);
+  edge.b = pick(b.z < 0.0f, pick(a.z < 0.0f, zenith, crossing), b);
   edge.leave = pick(a.z < 0.0f, none, pick(b.z < 0.0f, crossing, none));
   edge.enter = pick(a.z < 0.0f, pick(b.z < 0.0f, none, crossing), none);
   return edge;
@@ -43,7 +43,8 @@ RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
 
 Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
 {
-  LitEdge ab = lit_edge(a, b), bc = lit_edge(b, c), cd = lit_edge(c, d), da = lit_edge(d, a);
+  vec3 ua = unit(a), ub = unit(b), uc = unit(c), ud = unit(d);
+  LitEdge ab = lit_edge(ua, ub), bc = lit_edge(ub, uc), cd = lit_edge(uc, ud), da = lit_edge(ud, ua);
   RimArc arcs[5];
   arcs[0] = lit_arc(m, ab);
   arcs[1] = lit_arc(m, bc);

@@ -54,7 +54,7 @@ Reflection ltc_quad(const Table &table, const vec3 &view, Real alpha, const vec3
     for (std::size_t c = 0; c < 4; ++c) {
         const vec3 &q = corners[c];
         const Real x = q.x * tx + q.y * ty, y = q.y * tx - q.x * ty;
-        p[c] = {e[0] * x + e[1] * q.z, y, e[2] * x + e[3] * q.z};
+        p[c] = unit(vec3(e[0] * x + e[1] * q.z, y, e[2] * x + e[3] * q.z));
     }
     Real sum = 0.0F;
     vec3 leave(Real(0.0F), Real(0.0F), Real(0.0F)), enter = leave;
@@ -69,6 +69,11 @@ Reflection ltc_quad(const Table &table, const vec3 &view, Real alpha, const vec3
     light.plain = sum * e[4];
     light.schlick = sum * e[5];
     return light;
+}
+
+// As the lead's frame would call it: one function in which all is inlined, so that nothing passes through memory.
+[[gnu::flatten]] Reflection flat_ggx_quad(const vec3 &view, Real alpha, const vec3 *c) {
+    return ggx_quad(view, alpha, alpha, c[0], c[1], c[2], c[3]);
 }
 
 struct Inputs {
@@ -121,7 +126,7 @@ int main() {
     const Table table;
     for (int round = 0; round < 3; ++round) {
         const double ours = nanoseconds(inputs, [](const vec3 &view, Real alpha, const vec3 *c) {
-            return ggx_quad(view, alpha, alpha, c[0], c[1], c[2], c[3]);
+            return flat_ggx_quad(view, alpha, c);
         });
         const double theirs = nanoseconds(
             inputs, [&](const vec3 &view, Real alpha, const vec3 *c) { return ltc_quad(table, view, alpha, c); });
