@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <type_traits>
+#include <vector>
 
 namespace sfumato {
 namespace glsl_double {
@@ -23,6 +24,7 @@ inline bool any(bool lane) {
     return lane;
 }
 
+using Scalar = double;
 #include "area_light_loops.inc"
 
 } // namespace
@@ -42,15 +44,30 @@ double double_moment(std::span<const glm::dvec3> polygon, const glm::dvec3 &axis
     Polygon corners;
     corners.count = polygon.size();
     std::copy(polygon.begin(), polygon.end(), std::begin(corners.vertices));
-    // One boundary gives both: the moments (m.b) J_n, and (r.b) M^(n-1) times n.
-    const double along_b = along_boundary(corners, r, nullptr, [&](const Edge &edge, double from, double to) {
-        return dot(edge.normal, b) * moment_along(unit_arc_of(edge, r, from, to), exponent);
-    });
-    static_cast<void>(along_b);
-    return 0.0;
+    const double n = exponent;
+    const double moment =
+        exponent == 0 ? 0.0 : along_boundary(corners, r, nullptr, [&](const Edge &edge, double from, double to) {
+            return arvo_along(unit_arc_of(edge, r, from, to), exponent - 1);
+        });
+    double sum = dot(r, b) * moment;
+    Gap behind = no_gap();
+    for (std::size_t i = 0; i < corners.count; ++i) {
+        const Edge edge = edge_between(corners.vertices[i], corners.vertices[i + 1 < corners.count ? i + 1 : 0]);
+        const double from = dot(edge.from, r), to = dot(edge.to, r);
+        sum += dot(edge.normal, b) * moment_along(unit_arc_of(edge, r, from, to), exponent);
+        behind = gap_after(behind, edge, from, to);
+    }
+    if (exponent == 0) {
+        sum += dot(r, b) * gap_angle(behind, r);
+    }
+    return -sum / (n + 2.0);
 }
 
-CosineLobe product_of_lobes(std::span<const glm::dvec3> axes, std::span<const double> exponents) {
+CosineLobe product_of_lobes(std::span<const glm::dvec3> given, std::span<const double> exponents) {
+    std::vector<glm::dvec3> axes;
+    for (const glm::dvec3 &axis : given) {
+        axes.push_back(glm::normalize(axis));
+    }
     // The product's peak: where sum_i n_i r_i / (u.r_i) is parallel to u. Four steps from the mean axis.
     glm::dvec3 u(0.0);
     for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -91,7 +108,10 @@ PolygonFault fault_of(std::span<const glm::dvec3> polygon) {
         return PolygonFault::NO_AREA;
     }
     const glm::dvec3 normal = area / twice;
-    double turned = 0.0;
+    // Turning left everywhere is not enough: a star does. Its edges turn away from the first, and back, more than once.
+    const glm::dvec3 first = polygon[1] - polygon[0];
+    int changes = 0;
+    bool forward = true;
     for (std::size_t i = 0; i < n; ++i) {
         const glm::dvec3 edge = polygon[(i + 1) % n] - polygon[i];
         const glm::dvec3 next = polygon[(i + 2) % n] - polygon[(i + 1) % n];
@@ -102,10 +122,13 @@ PolygonFault fault_of(std::span<const glm::dvec3> polygon) {
         if (turn < -CONVEXITY * glm::length(edge) * glm::length(next)) {
             return PolygonFault::NOT_CONVEX;
         }
-        turned += std::atan2(turn, glm::dot(edge, next));
+        const double along = glm::dot(next, first);
+        if (along != 0.0 && (along > 0.0) != forward) {
+            forward = !forward;
+            ++changes;
+        }
     }
-    // A star turns left everywhere too, but more than once around.
-    return turned < 3.0 * std::numbers::pi ? PolygonFault::SOUND : PolygonFault::NOT_CONVEX;
+    return changes <= 2 ? PolygonFault::SOUND : PolygonFault::NOT_CONVEX;
 }
 
 } // namespace sfumato

@@ -21,6 +21,7 @@ inline bool any(Mask mask) {
     return xsimd::any(mask);
 }
 
+using Scalar = float;
 #include "area_light_loops.inc"
 
 } // namespace

@@ -189,6 +189,7 @@ PYBIND11_MODULE(sfumato, m) {
               "Metres, Z up, scene-linear RGB. Arrays may be float32 or float64; work is done in float32.\n"
               "Anything unusable raises ValueError and says which argument it was.";
     m.attr("instruction_set") = kernels().name;
+    bind_area_light(m);
     bind_basis(m);
     bind_microfacet(m);
     bind_opacity(m);

@@ -55,3 +55,15 @@ Complex complex_sqrt(Complex a)
   return complex(pick(a.re < 0.0f, smaller, larger),
                  pick(a.im < 0.0f, -1.0f, 1.0f) * pick(a.re < 0.0f, larger, smaller));
 }
+
+// atan(q/p) with its real part in [-pi/2, pi/2]: 2 Re is the angle, and -2 Im the logarithm of the magnitude, of
+// (p + i q)/(p - i q). Small q/p keep their relative precision.
+Complex complex_atan(Complex q, Complex p)
+{
+  float p2 = complex_norm(p);
+  float q2 = complex_norm(q);
+  float y = 2.0f * (p.re * q.re + p.im * q.im);
+  float x = p2 - q2;
+  float angle = atan(y, pick(abs(x) + abs(y) > 0.0f, x, 1.0f));
+  return complex(0.5f * angle, -0.5f * atanh(2.0f * (p.im * q.re - p.re * q.im) / max(p2 + q2, 1e-37f)));
+}

@@ -204,7 +204,8 @@ Peak peak_of(UnitArc arc, float exponent)
 // height/(1 - low) (P - low) + least for a shape P that falls from 1 to `low`, given P or its integral over `width`.
 float scaled_peak(Peak peak, float low, float shape, float width)
 {
-  float scale = peak.height / max(1.0f - low, 1e-9f);
+  float fall = 1.0f - low;
+  float scale = peak.height / pick(abs(fall) < 1e-6f, 1e-6f, fall);
   return scale * shape + (peak.least - scale * low) * width;
 }
 
@@ -212,7 +213,7 @@ float scaled_peak(Peak peak, float low, float shape, float width)
 float blended(Peak peak, float wide_tail, float narrow_tail, float wide, float narrow)
 {
   float difference = narrow_tail - wide_tail;
-  float alpha = (narrow_tail - peak.tail) / pick(abs(difference) < 1e-9f, 1e-9f, difference);
+  float alpha = clamp((narrow_tail - peak.tail) / pick(abs(difference) < 1e-9f, 1e-9f, difference), 0.0f, 1.0f);
   return narrow + alpha * (wide - narrow);
 }
 

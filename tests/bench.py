@@ -62,7 +62,23 @@ def light_maps() -> tuple[Sequence[Row], list[str]]:
     return light_rays()
 
 
+def area_lights() -> tuple[Sequence[Row], list[str]]:
+    """Integrals over area lights: cosine lobes, and microfacets."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_area_lights import cosine_lights
+    from bench_microfacet import microfacet_lights
+
+    rows: list[Row] = []
+    remarks: list[str] = []
+    for part in (cosine_lights, microfacet_lights):
+        more, said = part()
+        rows += more
+        remarks += said
+    return rows, remarks
+
+
 SUBJECTS: dict[str, Callable[[], tuple[Sequence[Row], list[str]]]] = {
+    "arealights": area_lights,
     "cycles": against_cycles,
     "lightmaps": light_maps,
 }
@@ -80,14 +96,16 @@ def table(rows: Sequence[Row]) -> str:
         names = [*COLUMNS, *(name for name in numbers if name not in COLUMNS)]
         if row["metric"] != metric:
             metric = row["metric"]
-            lines += [f"error: {metric}", f"{'case':12} {'method':16} " + " ".join(f"{name:>12}" for name in names)]
+            lines += [f"error: {metric}", f"{'case':13} {'method':18} " + " ".join(f"{name:>12}" for name in names)]
         cells = " ".join(f"{cell(numbers[name]):>12}" for name in names)
-        lines.append(f"{row['case']:12} {row['method']:16} {cells}")
+        lines.append(f"{row['case']:13} {row['method']:18} {cells}")
     return "\n".join(lines)
 
 
 def cell(value: object) -> str:
-    return "-" if value is None else f"{value:.5f}" if isinstance(value, float) else str(value)
+    if value is None or not isinstance(value, float):
+        return "-" if value is None else str(value)
+    return f"{value:.2e}" if 0.0 < abs(value) < 1e-3 else f"{value:.5f}"
 
 
 def main() -> None:

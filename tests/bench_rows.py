@@ -24,3 +24,10 @@ class RayRow(Row):
     swing: float  # of T over 32 translations
     growth: float  # RMS change of T when the map's depth bounds grow by 10 %
     outlier: float  # RMSE with one outlier among 48 particles, over that without
+
+
+class AreaLightRow(Row):
+    """One way to integrate a lobe over an area light; seconds are per edge of polygons, else per light."""
+
+    max_error: float
+    p95_relative: float  # 95th percentile of the relative error where L > .01

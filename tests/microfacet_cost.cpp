@@ -125,9 +125,8 @@ int main() {
     const Inputs inputs(256);
     const Table table;
     for (int round = 0; round < 3; ++round) {
-        const double ours = nanoseconds(inputs, [](const vec3 &view, Real alpha, const vec3 *c) {
-            return flat_ggx_quad(view, alpha, c);
-        });
+        const double ours = nanoseconds(
+            inputs, [](const vec3 &view, Real alpha, const vec3 *c) { return flat_ggx_quad(view, alpha, c); });
         const double theirs = nanoseconds(
             inputs, [&](const vec3 &view, Real alpha, const vec3 *c) { return ltc_quad(table, view, alpha, c); });
         std::printf("%d lanes: GGX rectangle %.1f ns, LTC rectangle %.1f ns, ratio %.2f\n", LANES, ours, theirs,
