@@ -284,8 +284,8 @@ ArcNode node_at(HalfArc arc, Peaks peaks, float share, float weight)
   vec3 p = arc.p0 + (arc.p1 + arc.p2 * s) * s;
   float s2 = 2.0f * s;
   vec3 slope = arc.p1 + arc.p2 * s2;
-  float length2 = max(dot(p, p), TINY), flat = max(w1 * from2 + w2 * from1, TINY);
-  float amount = total * weight * (from1 / flat) * (from2 / length2), inverse = inversesqrt(length2);
+  float length2 = max(dot(p, p), TINY), evened = max(w1 * from2 + w2 * from1, TINY);
+  float amount = total * weight * (from1 / evened) * (from2 / length2), inverse = inversesqrt(length2);
   ArcNode node;
   node.point = p * inverse;
   node.turn = cross(p, slope) * amount;

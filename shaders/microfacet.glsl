@@ -137,16 +137,16 @@ struct RimArc {
 // lobe of complex alpha^2 = b, and D h dh = (1/pi) S^-2 (h x h') / |S h|^2 holds for it. `point` is normalised.
 vec3 lobe_scale(Microfacets m, vec3 point)
 {
-  float flat = 1.0f, up = 1.0f;
+  float level_part = 1.0f, up = 1.0f;
   if (m.brdf != BRDF_GGX) {
     float across2 = point.x * point.x + point.y * point.y, up2 = point.z * point.z;
     Complex d1 = complex(across2 + m.poles.b1.re * up2, m.poles.b1.im * up2);
     Complex d2 = complex(across2 + m.poles.b2.re * up2, m.poles.b2.im * up2);
     Complex k1 = complex_div(m.poles.w1, d1), k2 = complex_div(m.poles.w2, d2);
-    flat = complex_mul(m.poles.b1, k1).re + complex_mul(m.poles.b2, k2).re;
+    level_part = complex_mul(m.poles.b1, k1).re + complex_mul(m.poles.b2, k2).re;
     up = k1.re + k2.re;
   }
-  return vec3(flat, flat, up);
+  return vec3(level_part, level_part, up);
 }
 
 // Along a small circle p x p' / |p|^2 is large and its sum small. So: what it would be if the lobe and 1 / |p|^2 were
