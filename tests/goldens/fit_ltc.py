@@ -5,7 +5,7 @@ Polygonal-Light Shading with Linearly Transformed Cosines", 2016) for isotropic 
 and F = 1, on 64 x 64 cells of (roughness, sqrt(1 - cos theta)).
 
 As in the paper: the lobe's frame is that of its mean direction, three entries are fitted to the least third power of the
-difference, sampled by both lobes. A row of cells at once, by a batch of Nelder and Mead's simplexes. Some ten minutes.
+difference, sampled by both lobes. A row of cells at once, by a batch of Nelder and Mead's simplexes. Some minutes.
 """
 
 from __future__ import annotations
