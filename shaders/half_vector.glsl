@@ -13,6 +13,10 @@
 // i = (1 - s^2, 2 s) / (1 + s^2) in the circle's own axes, s being the tangent of half the angle. So p is a quadratic
 // in s, p x p' a quadratic too and |p|^2 a quartic with no real root: the integral is elementary, and exact however
 // small alpha is. No edge is split, nothing is tabulated.
+//
+// In single precision an edge's place is known to 6e-8, and a lobe is alpha wide: 999 of 1000 isotropic lights are
+// good to 5e-6 for alpha >= 0.01 and n.v >= 0.03, all to 6e-5. Brushed metal whose alphas are more than tenfold apart, the
+// smaller below 0.05, is the exception: a few lights in ten thousand are off by 1e-3 and more.
 
 #define TINY 1e-30f
 
