@@ -61,7 +61,7 @@ inline vec3 pick(bool condition, const vec3 &a, const vec3 &b) {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
-#define float double
+#define float double // NOLINT(clang-diagnostic-keyword-macro): the text is GLSL
 #include "glsl_area_light.inc"
 #undef float
 #pragma GCC diagnostic pop

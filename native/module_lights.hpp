@@ -112,7 +112,7 @@ struct Polygons {
 
 private:
     void require_sound(std::size_t polygon) const {
-        const std::size_t n = static_cast<std::size_t>(counts[polygon]);
+        const auto n = static_cast<std::size_t>(counts[polygon]);
         std::array<glm::dvec3, 64> v;
         const Number *p = vertices.data() + 3 * width * polygon;
         for (std::size_t i = 0; i < n; ++i, p += 3) {

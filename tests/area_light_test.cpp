@@ -92,6 +92,18 @@ TEST(DiffuseQuad, BelowTheHorizonGivesExactlyNothing) {
     }
 }
 
+// Corners exactly on the horizon, where a crossing would be computed from both sides.
+TEST(DiffuseQuad, HangingFromTheHorizonGivesExactlyNothing) {
+    std::mt19937 generator(7);
+    std::uniform_real_distribution<float> uniform(-1.0F, 1.0F);
+    for (int i = 0; i < 20'000; ++i) {
+        const vec3 a(uniform(generator), uniform(generator), 0.0F);
+        const vec3 along(uniform(generator), uniform(generator), i % 2 == 0 ? 0.0F : -1.0F);
+        const vec3 down(uniform(generator), uniform(generator), -0.5F);
+        EXPECT_EQ(diffuse({0, 0, 1}, {a, a + along, a + along + down, a + down}), 0.0F);
+    }
+}
+
 TEST(DiffuseQuad, SurvivesWhatHasNoAnswer) {
     const vec3 n(0, 0, 1), o(0.0F), a(1, 0, 0.5F), b(2, 0, 1), c(-1, 0, -0.5F), d(0, 1, 1);
     for (const Quad &q : {Quad{o, o, o, o}, Quad{a, a, a, a}, Quad{a, b, c, a}, Quad{o, a, d, b}, Quad{a, c, a, c},

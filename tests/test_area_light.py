@@ -125,6 +125,15 @@ def test_turning_or_scaling_everything_changes_nothing(method: str) -> None:
     assert np.abs(integral(turned, 60, method) - integral(FEW, 60, method)).max() < 1e-7
 
 
+@pytest.mark.parametrize("factor", [1e-15, 1e15])
+def test_single_precision_bears_any_unit_of_length(factor: float) -> None:
+    lights = single(FEW)
+    scaled = Polygons(lights.vertices * np.float32(factor), lights.counts, lights.axis)
+    assert np.abs(integral(scaled, 60) - integral(lights, 60)).max() < 2e-6
+    here, there = (sfumato.diffuse_polygon(x.vertices, x.axis, x.counts, True) for x in (lights, scaled))
+    assert np.abs(here - there).max() < 2e-6
+
+
 def test_the_back_of_a_polygon_is_black_unless_it_has_two_sides() -> None:
     for function in (lambda p, s: sfumato.polygon_integral(p, [0, 0, 1], 9, two_sided=s),
                      lambda p, s: sfumato.diffuse_polygon(p, [0, 0, 1], two_sided=s)):  # fmt: skip
@@ -144,12 +153,25 @@ def test_cosine_about_the_normal_is_lambert() -> None:
 
 @pytest.mark.parametrize("exponent", [10, 100, 500, 5000, 100000])
 def test_poles_meet_their_targets(exponent: int) -> None:
+    poles = next(row for row in cosine_rows(random_polygons(2000), exponent) if row["method"] == "poles-2")
+    assert poles["error"] < 3e-5
+    assert poles["max_error"] < 1e-4
+    assert poles["p95_relative"] < 3e-3
+
+
+# The same error of the same formulas in an independent program, over other polygons.
+ELSEWHERE = {
+    100: (0.0064, 0.0037, 0.0054),
+    500: (0.0065, 0.0041, 0.0016),
+    5000: (0.0053, 0.0047, 0.0033),
+}
+
+
+@pytest.mark.parametrize("exponent", ELSEWHERE)
+def test_published_methods_err_as_published(exponent: int) -> None:
     rows = {row["method"]: row for row in cosine_rows(random_polygons(2000), exponent)}
-    assert rows["poles-2"]["error"] < 3e-5
-    assert rows["poles-2"]["max_error"] < 1e-4
-    assert rows["poles-2"]["p95_relative"] < 3e-3
-    for method, error in zip(PUBLISHED, (0.0068, 0.0045, 0.0056)):  # the paper's own: .0055, .0036, .0017 at most
-        assert 1e-4 < rows[method]["error"] < error
+    for method, error in zip(PUBLISHED, ELSEWHERE[exponent]):
+        assert 0.3 * error < rows[method]["error"] < 1.1 * error
 
 
 @pytest.mark.parametrize("case", ["sphere", "ellipse"])
@@ -239,7 +261,7 @@ def test_single_precision_suffices(case: str, exponent: float) -> None:
 def test_single_precision_suffices_for_the_narrowest_lobes_but_for_an_axis_on_an_edge(case: str) -> None:
     """There the last bit of a corner moves the edge by a hundred-thousandth of the lobe."""
     error = np.abs(integral(single(HARD[case]), 5e4) - integral(rounded(HARD[case]), 5e4))
-    assert np.sqrt(np.mean(error**2)) < 1e-6
+    assert np.sqrt(np.mean(error**2)) < (1e-7 if case == "axis on a corner" else 1e-6)
     assert error.max() < (2e-5 if case == "axis on an edge" else 5e-6)
 
 
