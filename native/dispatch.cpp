@@ -2,6 +2,7 @@
 // Chooses the kernels of this processor. CMake names the instruction sets that it compiled.
 #include "area_light.hpp"
 #include "kernels.hpp"
+#include "microfacet.hpp"
 
 #include <vector>
 
@@ -16,6 +17,7 @@
     void weigh_rows(const WeightedRows &);                                                                             \
     void look_up_series(const SeriesLookUp &);                                                                         \
     void look_up_texels(const TexelLookUp &);                                                                          \
+    void reflect_lights(const MicrofacetBatch<float> &);                                                               \
     }
 
 SFUMATO_DECLARE(baseline)
@@ -30,7 +32,7 @@ namespace {
 #define SFUMATO_TABLE(ISA, LANES)                                                                                      \
     Kernels {                                                                                                          \
 #ISA, LANES, ISA::project_row, ISA::light_slice, ISA::look_up, ISA::trace, ISA::integrate_lights,              \
-            ISA::harmonic_sums, ISA::weigh_rows, ISA::look_up_series, ISA::look_up_texels                              \
+            ISA::harmonic_sums, ISA::weigh_rows, ISA::look_up_series, ISA::look_up_texels, ISA::reflect_lights         \
     }
 
 std::vector<Kernels> runnable() {

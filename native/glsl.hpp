@@ -34,6 +34,9 @@ inline float pick(bool condition, float a, float b) {
 inline vec3 pick(bool condition, const vec3 &a, const vec3 &b) {
     return condition ? a : b;
 }
+inline float inversesqrt(float x) {
+    return 1.0F / std::sqrt(x);
+}
 inline float atan(float y, float x) {
     return std::atan2(y, x);
 }

@@ -28,6 +28,9 @@ using std::pow;
 using std::sin;
 using std::sqrt;
 
+inline double inversesqrt(double x) {
+    return 1.0 / std::sqrt(x);
+}
 inline double atan(double y, double x) {
     return std::atan2(y, x);
 }

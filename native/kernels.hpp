@@ -23,6 +23,8 @@ constexpr std::size_t MAX_MEDIA = 5; // in one frame: what the viewport has text
 
 template <typename Number>
 struct LightBatch; // area_light.hpp
+template <typename Number>
+struct MicrofacetBatch; // microfacet.hpp
 
 // An affine map by its rows, (x, y, z, translation).
 struct Affine {
@@ -179,6 +181,7 @@ struct Kernels {
     void (*weigh_rows)(const WeightedRows &);
     void (*look_up_series)(const SeriesLookUp &);
     void (*look_up_texels)(const TexelLookUp &);
+    void (*reflect_lights)(const MicrofacetBatch<float> &);
 };
 
 // Every set of kernels that this processor runs, the widest last.

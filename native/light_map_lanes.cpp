@@ -84,7 +84,9 @@ DepthRange seen_range(const ProjectRow &row, const Samples &samples, Real total,
     }
     // Nothing lies beyond the map: smoke that begins at its very end, with the light inside, needs no room there. The
     // cosines' mirror image takes its step away.
-    DepthRange range = padded_range(front, max(front, back));
+    // A ray that only grazes smoke has no range that counts.
+    const Mask smoky = total * to_depth > 1e-7F;
+    DepthRange range = padded_range(pick(smoky, front, 0.0F), pick(smoky, max(front, back), 1.0F));
     range.low = max(range.low, 0.0F);
     range.high = max(min(range.high, 1.0F), range.low + 1e-4F);
     return range;

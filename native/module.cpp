@@ -35,6 +35,7 @@ PYBIND11_MODULE(sfumato, m) {
     bind_area_light(m);
     bind_basis(m);
     bind_map(m);
+    bind_microfacet(m);
     bind_opacity(m);
     bind_ray_storage(m);
 

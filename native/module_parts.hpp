@@ -10,10 +10,12 @@ void bind_area_light(pybind11::module_ &m);
 void bind_basis(pybind11::module_ &m);
 void bind_frame(pybind11::module_ &m);
 void bind_map(pybind11::module_ &m);
+void bind_microfacet(pybind11::module_ &m);
 void bind_opacity(pybind11::module_ &m);
 void bind_ray_storage(pybind11::module_ &m);
 void bind_reference(pybind11::module_ &m);
 void bind_reference_area_light(pybind11::module_ &reference);
 void bind_scene(pybind11::module_ &m);
+void bind_reference_microfacet(pybind11::module_ &reference);
 
 } // namespace sfumato

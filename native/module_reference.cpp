@@ -130,6 +130,7 @@ A lamp of pi W/sr, 2 m away from a white wall, gives it an irradiance of pi / 4:
 >>> reference.render(scene, Camera(np.eye(4)), width=1, height=1)[0, 0].round(6).tolist()
 [0.25, 0.25, 0.25, 1.0]
 )");
+    bind_reference_microfacet(m);
 }
 
 } // namespace sfumato

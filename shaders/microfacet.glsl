@@ -97,12 +97,12 @@ float normal_density(Microfacets m, vec3 h)
 Reflection masking(Microfacets m, vec3 p)
 {
   vec3 h = times(m.squash, p);
-  float n = 1.0f / max(dot(h, h), TINY);
-  float along = dot(m.view, h);
-  float two = 2.0f * along * n;
+  float inverse = inversesqrt(max(dot(h, h), TINY));
+  float along = dot(m.view, h) * inverse;
+  float two = 2.0f * along * inverse;
   vec3 i = h * two - m.view;
   i.z = max(i.z, 0.0f);
-  float miss = clamp(1.0f - along * sqrt(n), 0.0f, 1.0f);
+  float miss = clamp(1.0f - along, 0.0f, 1.0f);
   // 1 / G2 = 1 + Lambda(v) + Lambda(i), times n.v and n.i.
   float shadowed = reach(m.brdf, m.rough, i);
   Reflection g;
@@ -133,30 +133,84 @@ struct RimArc {
 #define OPEN_NODE 0.211324865405187118f
 #define CLOSED_NODE 0.25f
 
-// The same share for a lobe that is a sum of poles: every pole is a GGX lobe of complex alpha^2 = b, and
-// D h dh = (1/pi) S^-2 (h x h') / |S h|^2 holds for each.
-ArcNode of_lobe(Microfacets m, ArcNode node)
+// What a node's p x p' / |p|^2 is to be scaled by, axis by axis, for a lobe that is a sum of poles: each pole is a GGX
+// lobe of complex alpha^2 = b, and D h dh = (1/pi) S^-2 (h x h') / |S h|^2 holds for it. `point` is normalised.
+vec3 lobe_scale(Microfacets m, vec3 point)
 {
-  float across = node.point.x * node.point.x + node.point.y * node.point.y, up = node.point.z * node.point.z;
-  Complex d1 = complex(across + m.poles.b1.re * up, m.poles.b1.im * up);
-  Complex d2 = complex(across + m.poles.b2.re * up, m.poles.b2.im * up);
-  Complex k1 = complex_div(m.poles.w1, d1), k2 = complex_div(m.poles.w2, d2);
-  float flat = complex_mul(m.poles.b1, k1).re + complex_mul(m.poles.b2, k2).re, z = k1.re + k2.re;
-  ArcNode weighted;
-  weighted.point = node.point;
-  weighted.turn = times(node.turn, vec3(flat, flat, z));
-  return weighted;
+  float level_part = 1.0f, up = 1.0f;
+  if (m.brdf != BRDF_GGX) {
+    float across2 = point.x * point.x + point.y * point.y, up2 = point.z * point.z;
+    Complex d1 = complex(across2 + m.poles.b1.re * up2, m.poles.b1.im * up2);
+    Complex d2 = complex(across2 + m.poles.b2.re * up2, m.poles.b2.im * up2);
+    Complex k1 = complex_div(m.poles.w1, d1), k2 = complex_div(m.poles.w2, d2);
+    level_part = complex_mul(m.poles.b1, k1).re + complex_mul(m.poles.b2, k2).re;
+    up = k1.re + k2.re;
+  }
+  return vec3(level_part, level_part, up);
 }
 
-float node_flux(Microfacets m, ArcNode node)
+// Along a small circle p x p' / |p|^2 is large and its sum small. So: what it would be if the lobe and 1 / |p|^2 were
+// those of the circle's middle, which is exact, and from nodes what is left. Without a circle all is left.
+struct Level {
+  vec3 lobe; // times 1 / |p|^2, at the middle
+  vec3 axis; // of the circle, on the sphere of p
+  float height;
+  float flux; // of the lobe at the middle
+};
+
+Level no_level()
 {
-  return 0.5f * dot(m.weight, node.turn);
+  Level level;
+  float zero = 0.0f;
+  level.lobe = vec3(zero, zero, zero);
+  level.axis = vec3(zero, zero, 1.0f);
+  level.height = zero;
+  level.flux = zero;
+  return level;
 }
 
-// GGX: exact. Else by Kronrod's five nodes, two of which are Gauss's two, which the mean below needs anyway.
-#define KRONROD_NODE 0.0370899500115f
+Level level_of(Microfacets m, HalfArc arc)
+{
+  float half_of = 0.5f;
+  vec3 middle = (arc.p0 + arc.p2) * half_of, x = (arc.p0 - arc.p2) * half_of, y = arc.p1 * half_of;
+  float n = 1.0f / max(dot(middle, middle), TINY);
+  Level level;
+  level.lobe = lobe_scale(m, unit(middle)) * n;
+  level.axis = cross(x, y);
+  level.height = dot(middle, level.axis);
+  // int p x p' dt with s = tan(t/2).
+  float k_low = 1.0f / (1.0f + arc.low * arc.low), k_high = 1.0f / (1.0f + arc.high * arc.high);
+  float cosines = 2.0f * (k_high - k_low), sines = 2.0f * (arc.high * k_high - arc.low * k_low);
+  float angle = 2.0f * turned(0.0f, 1.0f, arc.low, arc.high);
+  vec3 around = level.axis * angle + cross(middle, y * sines + x * cosines);
+  level.flux = 0.5f * dot(m.weight, times(level.lobe, around));
+  return level;
+}
 
-RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node)
+float node_flux(Microfacets m, Level level, ArcNode node)
+{
+  float along = dot(node.point, level.axis);
+  float size = level.height / pick(abs(along) > TINY, along, TINY); // |p| on the circle
+  return 0.5f * dot(m.weight, times(node.turn, lobe_scale(m, node.point) - level.lobe * (size * size)));
+}
+
+// GGX: exact. Else by Gauss's two nodes on each of LOBE_PANELS equal shares of the arc's phase.
+#define LOBE_PANELS 3
+#define LOBE_PANEL 0.333333333333333333f
+
+float lobe_flux(Microfacets m, HalfArc half_arc, Peaks peaks, Level level)
+{
+  float flux = level.flux, panel = LOBE_PANEL, start = 0.0f;
+  for (int k = 0; k < LOBE_PANELS; ++k) {
+    ArcNode a = node_at(half_arc, peaks, start + OPEN_NODE * panel, 0.5f * panel);
+    ArcNode b = node_at(half_arc, peaks, start + (1.0f - OPEN_NODE) * panel, 0.5f * panel);
+    flux = flux + node_flux(m, level, a) + node_flux(m, level, b);
+    start = start + panel;
+  }
+  return flux;
+}
+
+RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node, Level level)
 {
   RimArc arc;
   arc.a = node_at(half_arc, peaks, first_node, 0.5f);
@@ -168,13 +222,7 @@ RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node)
     arc.flux = rational_integral(half_arc, peaks, g0, g1, g2);
   }
   if (m.brdf != BRDF_GGX) {
-    arc.a = of_lobe(m, arc.a);
-    arc.b = of_lobe(m, arc.b);
-    ArcNode first = of_lobe(m, node_at(half_arc, peaks, KRONROD_NODE, 0.0989899494949494949f));
-    ArcNode centre = of_lobe(m, node_at(half_arc, peaks, 0.5f, 0.311111111111111111f));
-    ArcNode last = of_lobe(m, node_at(half_arc, peaks, 1.0f - KRONROD_NODE, 0.0989899494949494949f));
-    arc.flux = 0.490909090909090909f * (node_flux(m, arc.a) + node_flux(m, arc.b)) + node_flux(m, first) +
-               node_flux(m, centre) + node_flux(m, last);
+    arc.flux = lobe_flux(m, half_arc, peaks, level);
   }
   return arc;
 }
@@ -184,22 +232,46 @@ vec3 turns(RimArc arc)
   return arc.a.turn + arc.b.turn;
 }
 
+// Towards the middle of what the outline encloses, weighted with the lobe.
+vec3 lobe_turns(Microfacets m, RimArc arc)
+{
+  vec3 sum = turns(arc);
+  if (m.brdf != BRDF_GGX) {
+    sum = times(arc.a.turn, lobe_scale(m, arc.a.point)) + times(arc.b.turn, lobe_scale(m, arc.b.point));
+  }
+  return sum;
+}
+
+// The lobe over the guide at p, times a constant, as a logarithm.
+float log_lobe(Microfacets m, vec3 p)
+{
+  float z2 = max(p.z * p.z, 1e-6f), slope2 = GUIDE * GUIDE * (p.x * p.x + p.y * p.y) / z2, log_density = -slope2;
+  if (m.brdf == BRDF_BLINN_PHONG) {
+    float a2 = m.rough.x * m.rough.x;
+    log_density = (-1.0f / a2 - 1.0f) * log(1.0f + a2 * slope2);
+  }
+  return max(log_density - 2.0f * log(z2), -60.0f);
+}
+
 RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
 {
   HalfArc half_arc = great_arc(m.view, m.stretch, a, b);
-  return rim_arc(m, half_arc, peaks_of(half_arc), OPEN_NODE);
+  return rim_arc(m, half_arc, peaks_of(half_arc), OPEN_NODE, no_level());
 }
 
-// A small circle that is small beside the lobe has its peaks at +-i, both: there, and there alone, the nodes' own sum
-// is the better one.
+// A small circle that is small beside the lobe has its peaks at +-i, both: there the nodes' own sum is the better one.
 #define NEARLY_ONE_PEAK 0.1f
 
 RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
 {
   Peaks peaks = peaks_of(half_arc);
-  RimArc arc = rim_arc(m, half_arc, peaks, first_node);
-  float wide = NEARLY_ONE_PEAK * (peaks.w1 + peaks.w2), d = peaks.m1 - peaks.m2, e = peaks.w1 - peaks.w2;
-  arc.flux = pick(d * d + e * e < wide * wide, 0.5f * dot(m.weight, turns(arc)), arc.flux);
+  Level level = level_of(m, half_arc);
+  RimArc arc = rim_arc(m, half_arc, peaks, first_node, level);
+  if (m.brdf == BRDF_GGX) {
+    float wide = NEARLY_ONE_PEAK * (peaks.w1 + peaks.w2), d = peaks.m1 - peaks.m2, e = peaks.w1 - peaks.w2;
+    float by_nodes = level.flux + node_flux(m, level, arc.a) + node_flux(m, level, arc.b);
+    arc.flux = pick(d * d + e * e < wide * wide, by_nodes, arc.flux);
+  }
   return arc;
 }
 
@@ -209,6 +281,7 @@ struct Mean {
   vec3 apex;
   Reflection at_apex;
   float apex_weight;
+  float apex_lobe;
   float weight;
   float plain;
   float schlick;
@@ -222,6 +295,10 @@ Mean mean_about(Microfacets m, vec3 middle)
   mean.apex = unit(vec3(middle.x, middle.y, max(middle.z, 1e-6f)));
   mean.at_apex = masking(m, mean.apex);
   mean.apex_weight = 0.111111111111111111f * dot(m.weight, mean.apex);
+  mean.apex_lobe = 0.0f;
+  if (m.brdf != BRDF_GGX) {
+    mean.apex_lobe = log_lobe(m, mean.apex);
+  }
   mean.weight = 0.0f;
   mean.plain = 0.0f;
   mean.schlick = 0.0f;
@@ -237,6 +314,9 @@ Mean with_node(Mean mean, Microfacets m, ArcNode node)
   float solid_angle = dot(mean.apex, node.turn) / max(1.0f + dot(mean.apex, node.point), 1e-3f);
   float at_apex = solid_angle * mean.apex_weight;
   float at_node = 0.888888888888888889f * solid_angle * dot(m.weight, p);
+  if (m.brdf != BRDF_GGX) {
+    at_node = at_node * exp(min(log_lobe(m, p) - mean.apex_lobe, 20.0f));
+  }
   mean.weight = mean.weight + at_apex + at_node;
   mean.plain = mean.plain + at_apex * mean.at_apex.plain + at_node * g.plain;
   mean.schlick = mean.schlick + at_apex * mean.at_apex.schlick + at_node * g.schlick;
@@ -256,8 +336,9 @@ Reflection reflected(Mean mean, float flux)
   float amount = 0.318309886183790672f * abs(flux);
   float plain = min(max(mean.plain * k, 0.0f), mean.most);
   Reflection light;
-  light.schlick = amount * min(max(mean.schlick * k, 0.0f), plain);
-  light.plain = amount * plain;
+  // Energy: a surface lit by radiance 1 from everywhere sends no more.
+  light.plain = min(amount * plain, 1.0f);
+  light.schlick = min(amount * min(max(mean.schlick * k, 0.0f), plain), light.plain);
   return light;
 }
 

@@ -4,7 +4,7 @@
 
 // ---- The horizon ----
 
-// The part above the horizon of an edge, and where it crosses on the way down (leave) or up (enter).
+// The part above the horizon of the edge between two directions, and where it crosses on the way down (leave) or up (enter).
 struct LitEdge {
   vec3 a;
   vec3 b;
@@ -19,8 +19,8 @@ LitEdge lit_edge(vec3 a, vec3 b)
   vec3 crossing = unit(vec3(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), zero));
   vec3 none = vec3(zero, zero, zero), zenith = vec3(zero, zero, 1.0f);
   LitEdge edge;
-  edge.a = pick(a.z < 0.0f, pick(b.z < 0.0f, zenith, crossing), unit(a));
-  edge.b = pick(b.z < 0.0f, pick(a.z < 0.0f, zenith, crossing), unit(b));
+  edge.a = pick(a.z < 0.0f, pick(b.z < 0.0f, zenith, crossing), a);
+  edge.b = pick(b.z < 0.0f, pick(a.z < 0.0f, zenith, crossing), b);
   edge.leave = pick(a.z < 0.0f, none, pick(b.z < 0.0f, crossing, none));
   edge.enter = pick(a.z < 0.0f, pick(b.z < 0.0f, none, crossing), none);
   return edge;
@@ -43,7 +43,8 @@ RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
 
 Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
 {
-  LitEdge ab = lit_edge(a, b), bc = lit_edge(b, c), cd = lit_edge(c, d), da = lit_edge(d, a);
+  vec3 ua = unit(a), ub = unit(b), uc = unit(c), ud = unit(d);
+  LitEdge ab = lit_edge(ua, ub), bc = lit_edge(ub, uc), cd = lit_edge(uc, ud), da = lit_edge(ud, ua);
   RimArc arcs[5];
   arcs[0] = lit_arc(m, ab);
   arcs[1] = lit_arc(m, bc);
@@ -51,10 +52,10 @@ Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
   arcs[3] = lit_arc(m, da);
   arcs[4] = horizon_arc(m, ab.leave + bc.leave + cd.leave + da.leave, ab.enter + bc.enter + cd.enter + da.enter);
   float flux = arcs[0].flux;
-  vec3 middle = turns(arcs[0]);
+  vec3 middle = lobe_turns(m, arcs[0]);
   for (int k = 1; k < 5; ++k) {
     flux = flux + arcs[k].flux;
-    middle = middle + turns(arcs[k]);
+    middle = middle + lobe_turns(m, arcs[k]);
   }
   Mean mean = mean_about(m, facing(middle, flux));
   for (int k = 0; k < 5; ++k) {
@@ -88,12 +89,14 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
   arcs[1] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, cos_end, -sin_end, one, zero), CLOSED_NODE);
   arcs[2] = horizon_arc(m, leave * cut, enter * cut);
   float flux = (arcs[0].flux + arcs[1].flux + arcs[2].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
-  Mean mean = mean_about(m, facing(turns(arcs[0]) + turns(arcs[1]) + turns(arcs[2]), flux));
+  Mean mean = mean_about(m, facing(lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]) + lobe_turns(m, arcs[2]), flux));
   mean = with_arc(with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]), m, arcs[2]);
   return reflected(mean, flux);
 }
 
-// The small circle through three directions, by the middle one and the chords to it and from it.
+// The small circle through three directions, by the middle one and the chords to it and from it. At the tips of a disk
+// that is seen nearly edge on it would bulge: where the chords turn by more than a right angle, the great arc past the
+// middle, which leaves 1.2 % of the disk out at each tip.
 RimArc arc_through(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out)
 {
   vec3 axis = cross(chord_in, chord_out);
@@ -105,10 +108,17 @@ RimArc arc_through(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out)
   x = x * k; // no circle of directions is larger
   vec3 y = cross(unit(axis), x), to_a = x - chord_in, to_b = x + chord_out;
   k = 1.0f / max(dot(x, x), TINY);
-  return small_circle_arc(m,
-                          small_arc(m.view, m.stretch, middle - x, x, y, dot(to_a, x) * k, dot(to_a, y) * k,
-                                    dot(to_b, x) * k, dot(to_b, y) * k),
-                          OPEN_NODE);
+  HalfArc curved = small_arc(m.view, m.stretch, middle - x, x, y, dot(to_a, x) * k, dot(to_a, y) * k, dot(to_b, x) * k,
+                            dot(to_b, y) * k);
+  HalfArc straight = great_arc(m.view, m.stretch, unit(middle - chord_in), unit(middle + chord_out));
+  float turn = dot(chord_in, chord_out);
+  HalfArc arc;
+  arc.p0 = pick(turn < 0.0f, straight.p0, curved.p0);
+  arc.p1 = pick(turn < 0.0f, straight.p1, curved.p1);
+  arc.p2 = pick(turn < 0.0f, straight.p2, curved.p2);
+  arc.low = pick(turn < 0.0f, straight.low, curved.low);
+  arc.high = pick(turn < 0.0f, straight.high, curved.high);
+  return small_circle_arc(m, arc, OPEN_NODE);
 }
 
 // A point of the rim, and from there to the next: the chord between both directions, without cancellation.
@@ -138,7 +148,7 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   vec3 x = u * cu + v * su, y = v * cu - u * su;
   float cos_end = clamp(-centre.z / max(rise, 1e-12f), -1.0f, 1.0f);
   float sin_end = sqrt(max(1.0f - cos_end * cos_end, 0.0f));
-  // A sixteenth of the way round, by halving the angle three times.
+  // A sixteenth of the way curved, by halving the angle three times.
   float s = sqrt(0.5f - 0.5f * cos_end), c = sqrt(0.5f + 0.5f * cos_end);
   for (int halving = 0; halving < 2; ++halving) {
     c = sqrt(0.5f + 0.5f * c);
@@ -164,13 +174,13 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
     cos_t = next;
     arcs[n] = arc_through(m, unit(half_way.to), half_way.chord, here.chord);
     flux = flux + arcs[n].flux;
-    middle = middle + turns(arcs[n]);
+    middle = middle + lobe_turns(m, arcs[n]);
   }
   vec3 leave = unit(here.to);
   float cut = pick(abs(cos_end) < 0.9999999f, 1.0f, 0.0f);
   arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
   flux = (flux + arcs[ELLIPSE_ARCS].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
-  Mean mean = mean_about(m, facing(middle + turns(arcs[ELLIPSE_ARCS]), flux));
+  Mean mean = mean_about(m, facing(middle + lobe_turns(m, arcs[ELLIPSE_ARCS]), flux));
   for (int n = 0; n <= ELLIPSE_ARCS; ++n) {
     mean = with_arc(mean, m, arcs[n]);
   }

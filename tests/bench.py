@@ -63,13 +63,14 @@ def light_maps() -> tuple[Sequence[Row], list[str]]:
 
 
 def area_lights() -> tuple[Sequence[Row], list[str]]:
-    """Integrals over area lights: cosine lobes."""
+    """Integrals over area lights: cosine lobes, and microfacets."""
     sys.path.insert(0, str(ROOT / "build" / "python"))
     from bench_area_lights import cosine_lights
+    from bench_microfacet import microfacet_lights
 
     rows: list[Row] = []
     remarks: list[str] = []
-    for part in (cosine_lights,):
+    for part in (cosine_lights, microfacet_lights):
         more, said = part()
         rows += more
         remarks += said
