@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -229,6 +230,46 @@ TEST(LightMap, OfThinCellsHasNoMoreTexelsThanTheyShow) {
     float column = 0.0F;
     map.look_up({&below.x, 3}, {&column, 1});
     EXPECT_NEAR(column, 0.004, 1e-5);
+}
+
+// At texel centres the look-up is the series: total d + sum c_k sin(k pi d), within the ray's range and its total.
+TEST(LightMap, LooksUpTheSeriesOnEveryInstructionSet) {
+    constexpr int SIDE = 5, COUNT = 15, STRIDE = HEAD_FLOATS + COUNT - 1;
+    std::mt19937 generator(5);
+    std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
+    std::vector<float> texels;
+    for (int texel = 0; texel < SIDE * SIDE; ++texel) {
+        texels.insert(texels.end(), {1.0F + uniform(generator), 0.4F * uniform(generator), 1.2F + uniform(generator)});
+        for (int k = 1; k < COUNT; ++k) {
+            texels.push_back((uniform(generator) - 0.5F) / float(k * k));
+        }
+    }
+    std::vector<float> points;
+    std::vector<double> expected;
+    for (int i = 0; i < 203; ++i) { // no multiple of any number of lanes
+        const int texel = (i * 7) % (SIDE * SIDE);
+        const float z = 1.2F * float(i) / 202.0F - 0.1F;
+        points.insert(points.end(), {(float(texel % SIDE) + 0.5F) / SIDE, (float(texel / SIDE) + 0.5F) / SIDE, z});
+        const float *series = texels.data() + texel * STRIDE;
+        const double d = std::clamp((double{z} - double{series[1]}) * double{series[2]}, 0.0, 1.0);
+        double sum = double{series[0]} * d;
+        for (int k = 1; k < COUNT; ++k) {
+            sum += double{series[HEAD_FLOATS + k - 1]} * std::sin(k * std::numbers::pi * d);
+        }
+        expected.push_back(std::clamp(sum, 0.0, double{series[0]}));
+    }
+    LightMapView map;
+    map.coefficients = texels.data();
+    map.count = COUNT;
+    map.width = map.height = SIDE;
+    map.world_to_light = affine(glm::dmat4(1.0));
+    for (const Kernels &set : available_kernels()) {
+        std::vector<float> columns(203, -1.0F);
+        set.look_up(map, points.data(), columns.data(), 203);
+        for (std::size_t i = 0; i < 203; ++i) {
+            EXPECT_NEAR(columns[i], expected[i], 1e-5) << set.name << ", point " << i;
+        }
+    }
 }
 
 TEST(Kernels, BuildTheSameMaps) {

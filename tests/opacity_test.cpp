@@ -210,32 +210,6 @@ TEST(OpticalDepth, IsUndoneByTransmittanceAndFiniteForTheOpaque) {
     EXPECT_NEAR(glsl::optical_depth_of(1.0F), 20.0 * std::numbers::ln2, 0.05);
 }
 
-// At texel centres the look-up is the series itself.
-TEST(Kernels, LookUpEvaluatesTheSameText) {
-    constexpr int SIDE = 5, COUNT = 31;
-    std::vector<float> coefficients;
-    for (unsigned texel = 0; texel < SIDE * SIDE; ++texel) {
-        const std::vector<float> series = series_of(random_fragments(8, texel), COUNT);
-        coefficients.insert(coefficients.end(), series.begin(), series.end());
-    }
-    std::vector<float> points, expected;
-    for (std::size_t i = 0; i < 203; ++i) { // no multiple of any number of lanes
-        const std::size_t texel = (i * 7) % (SIDE * SIDE);
-        const float z = float(i) / 202.0F;
-        points.insert(points.end(), {(float(texel % SIDE) + 0.5F) / SIDE, (float(texel / SIDE) + 0.5F) / SIDE, z});
-        const auto first = coefficients.begin() + std::ptrdiff_t(texel * COUNT);
-        expected.push_back(transmittance({first, first + COUNT}, z));
-    }
-    const LightMapView map{coefficients.data(), nullptr, COUNT, SIDE, SIDE, affine(glm::dmat4(1.0))};
-    for (const Kernels &set : available_kernels()) {
-        std::vector<float> columns(203, -1.0F);
-        set.look_up(map, points.data(), columns.data(), 203);
-        for (std::size_t i = 0; i < 203; ++i) {
-            EXPECT_NEAR(std::exp(-columns[i]), expected[i], 1e-5) << set.name << ", point " << i;
-        }
-    }
-}
-
 TEST(Kernels, AreListedWithTheWidestLast) {
     int lanes = 0;
     for (const Kernels &set : available_kernels()) {
