@@ -4,13 +4,25 @@
 #include "lanes.hpp"
 #include "lights_lanes.hpp"
 #include "sampling.hpp"
-#include "shading_lanes.hpp"
+#include "shading.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
+
+struct Surface {
+    Mask hit;
+    Real distance; // or the ray's reach
+    vec3 normal;   // shading normal, towards the eye
+    vec3 geometric_normal;
+    vec3 albedo;
+    bool glossy = false; // whether any lane is
+    Plane tangents;      // x the direction of alpha_x; set where glossy
+    vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
+    Real edge, alpha_x, alpha_y;
+};
 
 // Embree's packets want -1 for lanes that trace and 0 for those that rest.
 inline void valid_lanes(Mask mask, int *valid) {
@@ -167,6 +179,24 @@ struct Reflected {
     Real shadowed[3], open[3];
 };
 
+void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
+    v.x.store_aligned(to[0]);
+    v.y.store_aligned(to[1]);
+    v.z.store_aligned(to[2]);
+}
+
+void pack(const Surface &surface, const vec3 &point, const vec3 &direction, ShadingPacket &packet) {
+    store(point, packet.point);
+    store(surface.normal, packet.normal);
+    store(direction, packet.direction);
+    packet.glossy = surface.glossy;
+    // Where nothing is glossy these are loaded too, but count for nothing.
+    store(surface.glossy ? surface.tangents.x : surface.normal, packet.tangent);
+    store(surface.glossy ? surface.tangents.y : surface.normal, packet.bitangent);
+    surface.alpha_x.store_aligned(packet.alpha_x);
+    surface.alpha_y.store_aligned(packet.alpha_y);
+}
+
 // The share of a light that reaches a surface: past solids, asked for one point of the light, and through the smoke.
 // What the surface's shading normal does not see of the light is not in its shading, and counts as visible.
 Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3 &start, const Towards &towards) {
@@ -186,11 +216,14 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
     const vec3 start = point + surface.geometric_normal * offset;
     const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
     const Real reflectances[3] = {surface.reflectance.x, surface.reflectance.y, surface.reflectance.z};
-    const Receiver receiver(surface, point, ray.direction);
+    ShadingPacket packed;
+    pack(surface, point, ray.direction, packed);
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
     for (const LightView &light : frame.lights) {
-        const Shading shading = shade(receiver, light);
-        const Mask lit = surface.hit & ((shading.diffuse > 0.0F) | (shading.gloss.plain > 0.0F));
+        shade(light, packed);
+        const Real diffuse = Real::load_aligned(packed.diffuse), plain = Real::load_aligned(packed.plain);
+        const Real schlick = Real::load_aligned(packed.schlick);
+        const Mask lit = surface.hit & ((diffuse > 0.0F) | (plain > 0.0F));
         const Towards towards =
             sample_towards(light, point, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
         for (int c = 0; c < 3; ++c) {
@@ -205,15 +238,14 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         for (int c = 0; c < 3; ++c) {
             if (picture) {
                 const Real edge = surface.edge * (1.0F - reflectances[c]);
-                const Real sent = (albedos[c] * shading.diffuse + reflectances[c] * shading.gloss.plain +
-                                   edge * shading.gloss.schlick) *
-                                  (visible * light.strength[c]);
+                const Real sent =
+                    (albedos[c] * diffuse + reflectances[c] * plain + edge * schlick) * (visible * light.strength[c]);
                 out.open[c] = out.open[c] + sent;
                 out.shadowed[c] = out.shadowed[c] + sent * through[c];
                 continue;
             }
             // The share of light that is missing, of all that would be there if the surface faced every light.
-            const Real all = shading.diffuse * (3.14159265F * light.strength[c]);
+            const Real all = diffuse * (3.14159265F * light.strength[c]);
             const Real solid = all * visible;
             out.shadowed[c] = out.shadowed[c] + ((output == Output::ALL_SHADOWS ? all : solid) - solid * through[c]);
         }

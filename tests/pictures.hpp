@@ -16,7 +16,7 @@ namespace sfumato {
 
 constexpr int WIDTH = 32, HEIGHT = 18;
 inline const Camera camera = reference::testing::camera_at({2.5F, -4.5F, 2.2F}, {0.0F, 0.0F, 0.75F}, 16.0F / 9.0F);
-inline const FrameSettings finest{31, 2.0, 4.0};
+inline const FrameSettings finest{63, 2.0, 4.0};
 
 // An upright box without its bottom.
 inline std::vector<Mesh> block(const glm::vec3 &corner, const glm::vec3 &size, const glm::vec3 &albedo) {

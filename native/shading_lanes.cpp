@@ -1,25 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light that surfaces reflect, before anything stands in its way: closed forms for every kind of light.
-#pragma once
-
-#include "kernels.hpp"
+// A file of its own, because g++ stops inlining what it should where a file grows large: with the march it made frames
+// four times as slow.
 #include "lanes.hpp"
 #include "lights_lanes.hpp"
+#include "shading.hpp"
+
+#include <cmath>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
-
-struct Surface {
-    Mask hit;
-    Real distance; // or the ray's reach
-    vec3 normal;   // shading normal, towards the eye
-    vec3 geometric_normal;
-    vec3 albedo;
-    bool glossy = false; // whether any lane is
-    Plane tangents;      // x the direction of alpha_x; set where glossy
-    vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
-    Real edge, alpha_x, alpha_y;
-};
 
 // For a light of strength 1: what a white diffuse surface sends to the eye, and what its gloss does.
 struct Shading {
@@ -27,69 +17,75 @@ struct Shading {
     Reflection gloss;
 };
 
-inline Shading scaled(const Shading &s, Real by) {
+Shading scaled(const Shading &s, Real by) {
     return {s.diffuse * by, {s.gloss.plain * by, s.gloss.schlick * by}};
 }
 
 // A surface as closed forms want it: with the shading point at the origin, gloss in a frame of its own.
 struct Receiver {
-    const Surface &surface;
-    vec3 point, view; // view: towards the eye, in the surface's frame
+    vec3 point, normal, tangent, bitangent;
+    vec3 view; // towards the eye, in the surface's frame
+    Real alpha_x, alpha_y;
+    bool glossy;
 
-    Receiver(const Surface &s, const vec3 &at, const vec3 &direction)
-        : surface(s), point(at), view(s.glossy ? local(-direction) : -direction) {}
+    explicit Receiver(const ShadingPacket &p)
+        : point(load(p.point)), normal(load(p.normal)), tangent(load(p.tangent)), bitangent(load(p.bitangent)),
+          view(local(-load(p.direction))), alpha_x(Real::load_aligned(p.alpha_x)),
+          alpha_y(Real::load_aligned(p.alpha_y)), glossy(p.glossy) {}
 
-    [[nodiscard]] vec3 local(const vec3 &v) const {
-        return {dot(v, surface.tangents.x), dot(v, surface.tangents.y), dot(v, surface.normal)};
+    [[nodiscard]] vec3 local(const vec3 &v) const { return {dot(v, tangent), dot(v, bitangent), dot(v, normal)}; }
+
+    static vec3 load(const float (&v)[3][MAX_LANES]) {
+        return {Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2])};
     }
 };
 
-inline Shading from_direction(const Receiver &r, const vec3 &towards) {
-    const Real diffuse = max(dot(r.surface.normal, towards), 0.0F) * 0.318309886F;
-    if (!r.surface.glossy) {
+Shading from_direction(const Receiver &r, const vec3 &towards) {
+    const Real diffuse = max(dot(r.normal, towards), 0.0F) * 0.318309886F;
+    if (!r.glossy) {
         return {diffuse, {0.0F, 0.0F}};
     }
-    const Microfacets m = microfacets(BRDF_GGX, r.view, r.surface.alpha_x, r.surface.alpha_y);
+    const Microfacets m = microfacets(BRDF_GGX, r.view, r.alpha_x, r.alpha_y);
     return {diffuse, microfacet_reflection(m, r.local(towards))};
 }
 
 // The closed forms hand structures on to each other: inlined into one function they stay in registers, 1.6 times as
 // fast.
-[[gnu::flatten]] inline Reflection gloss_of_sphere(const Receiver &r, const vec3 &middle, Real radius) {
-    return ggx_sphere(r.view, r.surface.alpha_x, r.surface.alpha_y, r.local(middle), radius);
+[[gnu::flatten]] Reflection gloss_of_sphere(const Receiver &r, const vec3 &middle, Real radius) {
+    return ggx_sphere(r.view, r.alpha_x, r.alpha_y, r.local(middle), radius);
 }
 
-[[gnu::flatten]] inline Reflection gloss_of_quad(const Receiver &r, const vec3 &a, const vec3 &b, const vec3 &c,
-                                                 const vec3 &d) {
-    return ggx_quad(r.view, r.surface.alpha_x, r.surface.alpha_y, r.local(a), r.local(b), r.local(c), r.local(d));
+[[gnu::flatten]] Reflection gloss_of_quad(const Receiver &r, const vec3 &a, const vec3 &b, const vec3 &c,
+                                          const vec3 &d) {
+    return ggx_quad(r.view, r.alpha_x, r.alpha_y, r.local(a), r.local(b), r.local(c), r.local(d));
 }
 
-[[gnu::flatten]] inline Reflection gloss_of_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across,
-                                                    const vec3 &up) {
-    return ggx_ellipse(r.view, r.surface.alpha_x, r.surface.alpha_y, r.local(middle), r.local(across), r.local(up));
+[[gnu::flatten]] Reflection gloss_of_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across,
+                                             const vec3 &up) {
+    return ggx_ellipse(r.view, r.alpha_x, r.alpha_y, r.local(middle), r.local(across), r.local(up));
 }
 
 // A sphere of radiance 1.
-inline Shading from_sphere(const Receiver &r, const vec3 &middle, Real radius) {
-    Shading out{diffuse_sphere(r.surface.normal, middle, radius), {0.0F, 0.0F}};
-    if (r.surface.glossy) {
+Shading from_sphere(const Receiver &r, const vec3 &middle, Real radius) {
+    Shading out{diffuse_sphere(r.normal, middle, radius), {0.0F, 0.0F}};
+    if (r.glossy) {
         out.gloss = gloss_of_sphere(r, middle, radius);
     }
     return out;
 }
 
-inline Shading from_rectangle(const Receiver &r, const vec3 &middle, const vec3 &across, const vec3 &up) {
+Shading from_rectangle(const Receiver &r, const vec3 &middle, const vec3 &across, const vec3 &up) {
     const vec3 a = middle - across - up, b = middle + across - up, c = middle + across + up, d = middle - across + up;
-    Shading out{diffuse_quad(r.surface.normal, a, b, c, d), {0.0F, 0.0F}};
-    if (r.surface.glossy) {
+    Shading out{diffuse_quad(r.normal, a, b, c, d), {0.0F, 0.0F}};
+    if (r.glossy) {
         out.gloss = gloss_of_quad(r, a, b, c, d);
     }
     return out;
 }
 
-inline Shading from_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across, const vec3 &up) {
-    Shading out{diffuse_ellipse(r.surface.normal, middle, across, up), {0.0F, 0.0F}};
-    if (r.surface.glossy) {
+Shading from_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across, const vec3 &up) {
+    Shading out{diffuse_ellipse(r.normal, middle, across, up), {0.0F, 0.0F}};
+    if (r.glossy) {
         out.gloss = gloss_of_ellipse(r, middle, across, up);
     }
     return out;
@@ -98,11 +94,11 @@ inline Shading from_ellipse(const Receiver &r, const vec3 &middle, const vec3 &a
 // The grid before a lamp dims each of its points by the direction in which that sends its light. No closed form knows
 // of it: what the surface makes of the whole lamp is multiplied by the mean over a lattice of points, each weighed by
 // what it is worth to the surface. For gloss no narrower lobe is weighed than the lattice can see.
-inline Shading through_grid(const Receiver &r, const LightView &light, const vec3 &middle, const Shading &whole) {
+Shading through_grid(const Receiver &r, const LightView &light, const vec3 &middle, const Shading &whole) {
     constexpr int SIDE = 6;
     constexpr float WIDEST = 0.3F;
     Real weights = 1e-20F, sum = 0.0F, gloss_weights = 1e-20F, gloss_sum = 0.0F;
-    const Microfacets m = microfacets(BRDF_GGX, r.view, max(r.surface.alpha_x, WIDEST), max(r.surface.alpha_y, WIDEST));
+    const Microfacets m = microfacets(BRDF_GGX, r.view, max(r.alpha_x, WIDEST), max(r.alpha_y, WIDEST));
     for (int i = 0; i < SIDE * SIDE; ++i) {
         float x = (2.0F * static_cast<float>(i % SIDE) + 1.0F) / SIDE - 1.0F;
         float y = (2.0F * static_cast<float>(i / SIDE) + 1.0F) / SIDE - 1.0F;
@@ -115,10 +111,10 @@ inline Shading through_grid(const Receiver &r, const LightView &light, const vec
         const Real cosine = -dot(towards, broadcast(light.direction));
         const Real patch = max(cosine, 0.0F) / distance2;
         const Real left = spread_fade(cosine, light.spread_cotangent);
-        const Real weight = patch * max(dot(r.surface.normal, towards), 0.0F);
+        const Real weight = patch * max(dot(r.normal, towards), 0.0F);
         weights = weights + weight;
         sum = sum + weight * left;
-        if (r.surface.glossy) {
+        if (r.glossy) {
             const Real gloss = patch * microfacet_reflection(m, r.local(towards)).plain;
             gloss_weights = gloss_weights + gloss;
             gloss_sum = gloss_sum + gloss * left;
@@ -128,7 +124,7 @@ inline Shading through_grid(const Receiver &r, const LightView &light, const vec
     return {whole.diffuse * (sum / weights), {whole.gloss.plain * gloss, whole.gloss.schlick * gloss}};
 }
 
-inline Shading shade(const Receiver &r, const LightView &light) {
+Shading shading_of(const Receiver &r, const LightView &light) {
     if (light.kind == Light::Kind::SUN) {
         const vec3 towards = broadcast(-light.direction);
         if (light.radius == 0.0F) {
@@ -159,4 +155,12 @@ inline Shading shade(const Receiver &r, const LightView &light) {
 }
 
 } // namespace
+
+void shade(const LightView &light, ShadingPacket &packet) {
+    const Shading shading = shading_of(Receiver(packet), light);
+    shading.diffuse.store_aligned(packet.diffuse);
+    shading.gloss.plain.store_aligned(packet.plain);
+    shading.gloss.schlick.store_aligned(packet.schlick);
+}
+
 } // namespace sfumato::SFUMATO_ISA

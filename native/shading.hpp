@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Between the two lane files that share it: surfaces in the light of one light, as many as there are lanes.
+#pragma once
+
+#include "kernels.hpp"
+
+namespace sfumato {
+
+struct ShadingPacket {
+    alignas(64) float point[3][MAX_LANES];
+    alignas(64) float normal[3][MAX_LANES];  // shading normal, towards the eye
+    alignas(64) float tangent[3][MAX_LANES]; // the direction of alpha_x; read where glossy
+    alignas(64) float bitangent[3][MAX_LANES];
+    alignas(64) float direction[3][MAX_LANES]; // of the view ray
+    alignas(64) float alpha_x[MAX_LANES], alpha_y[MAX_LANES];
+    bool glossy = false; // whether any lane is
+
+    // For a light of strength 1: what a white diffuse surface sends to the eye, and what gloss does, for a reflectance
+    // of 1 and for Schlick's share of it.
+    alignas(64) float diffuse[MAX_LANES], plain[MAX_LANES], schlick[MAX_LANES];
+};
+
+namespace SFUMATO_ISA {
+void shade(const LightView &light, ShadingPacket &packet);
+} // namespace SFUMATO_ISA
+
+} // namespace sfumato
