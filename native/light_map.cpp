@@ -17,7 +17,6 @@
 namespace sfumato {
 namespace {
 
-constexpr double MOST_COEFFICIENTS = 1 << 26; // a quarter of a gibibyte
 constexpr int MOST_SLICES = 32768;
 
 // The ray of a texel in the world: from depth 0 of the map, one depth long.
@@ -123,8 +122,8 @@ double texel_edge(const CroppedMedium &medium, const glm::dvec3 &towards) {
 
 // Texels of at least the asked-for size, so many that they fill an extent within memory; the rim around them stays
 // empty.
-glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int floats) {
-    const double least = std::sqrt(extent.x * extent.y * floats / MOST_COEFFICIENTS);
+glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int floats, double most_floats) {
+    const double least = std::sqrt(extent.x * extent.y * floats / most_floats);
     return glm::ivec2(glm::ceil(extent / std::max(texel, least))) + 2;
 }
 
@@ -177,7 +176,7 @@ LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direc
     LightMap map;
     map.count = settings.coefficients;
     const double texel = texel_edge(medium, glm::normalize(direction)) / settings.texels_per_cell;
-    map.size = texels_for(glm::dvec2(high - low), texel, map.view().stride());
+    map.size = texels_for(glm::dvec2(high - low), texel, map.view().stride(), settings.most_floats);
     const double fitted = std::max({texel, (high.x - low.x) / (map.size.x - 2), (high.y - low.y) / (map.size.y - 2)});
     const glm::dvec3 extent(glm::dvec2(map.size) * fitted, high.z - low.z);
     const glm::dvec3 origin = 0.5 * (low + high) - 0.5 * extent;
@@ -248,7 +247,7 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
     const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
     const double texel = texel_edge(medium, look) / (settings.texels_per_cell * reach);
     const glm::dvec2 extent(map.high - map.low);
-    map.size = texels_for(extent, texel, map.view().stride());
+    map.size = texels_for(extent, texel, map.view().stride(), settings.most_floats);
     // The rim of two texels must lie outside the smoke, unless the map is all that there is.
     const glm::dvec2 rim = extent / glm::dvec2(map.size - 2);
     map.low = glm::dvec3(glm::max(glm::dvec2(map.low) - rim, -1.0), map.low.z);

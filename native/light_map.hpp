@@ -33,7 +33,8 @@ struct LightMap {
 
 struct LightMapSettings {
     int coefficients = 15;
-    double texels_per_cell = 1.0; // against the shortest edge of the medium's cells, within 256 MiB a map
+    double texels_per_cell = 1.0; // against the shortest edge of the medium's cells
+    double most_floats = 1 << 26; // of one map: a quarter of a gibibyte; it has larger texels where it would need more
 };
 
 // Light that travels in `direction` everywhere.

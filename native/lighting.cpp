@@ -187,18 +187,24 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &me
     for (const CroppedMedium &medium : media) {
         cell = std::min(cell, medium.cell_size);
     }
+    std::size_t maps = 0;
     for (const Light &light : lights) {
-        LightView &view = views_.emplace_back(view_of(light, cell));
+        const LightView &view = views_.emplace_back(view_of(light, cell));
         samples_.push_back(light_samples(view, media, settings.most_samples));
+        maps += samples_.back().size() * media_;
+    }
+    constexpr double MOST_FLOATS = 1 << 28; // of all maps: a gibibyte
+    for (const LightView &view : views_) {
+        const std::vector<glm::vec3> &samples = samples_[maps_.size()];
         LightMapSettings map = settings.map;
-        if (samples_.back().size() > 1) {
+        map.most_floats = std::min(map.most_floats, MOST_FLOATS / static_cast<double>(std::max<std::size_t>(maps, 1)));
+        if (samples.size() > 1) {
             // Each map is blurred by its neighbours: half the detail does.
-            map.coefficients = std::min(map.coefficients, 31);
             map.texels_per_cell *= 0.5;
         }
-        maps_.emplace_back(samples_.back().size() * media_);
+        maps_.emplace_back(samples.size() * media_);
         std::size_t at = 0;
-        for (const glm::vec3 &sample : samples_.back()) {
+        for (const glm::vec3 &sample : samples) {
             const glm::dvec3 point(sample);
             for (const CroppedMedium &medium : media) {
                 if (meets(view, point, ball_of(medium))) {
