@@ -22,9 +22,9 @@ struct Quality {
     FrameSettings settings;
     double over_floor, alone, in_shadow;
 };
-constexpr Quality qualities[] = {{"draft", {15, 1.0, 0.5}, 0.0007, 0.0058, 0.017},
-                                 {"preview", {31, 2.0, 1.0}, 0.00021, 0.0041, 0.0098},
-                                 {"final", {63, 4.0, 2.0}, 0.00009, 0.0038, 0.0145}};
+constexpr Quality qualities[] = {{"draft", {7, 1.0, 0.5}, 0.0007, 0.0058, 0.017},
+                                 {"preview", {15, 2.0, 1.0}, 0.00021, 0.0041, 0.0098},
+                                 {"final", {31, 4.0, 2.0}, 0.00009, 0.0038, 0.0145}};
 
 TEST(Picture, IsThatOfTheReference) {
     const Scene scene = smoke_over_floor();
