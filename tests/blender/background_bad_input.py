@@ -88,6 +88,8 @@ def test_no_light() -> None:
 
 
 def lamp(name: str, kind: str, **settings: object) -> bpy.types.Object:
+    """The sample with this light alone."""
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
     harness.open_plume()
     for thing in list(bpy.context.scene.objects):
         if thing.type == "LIGHT":
