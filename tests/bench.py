@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from bench_rows import LightRow, Row
+from bench_rows import CostRow, LightRow, Row
 from blender_run import ROOT, run_script
 
 
@@ -93,7 +93,32 @@ def scale() -> tuple[Sequence[Row], list[str]]:
     sys.path.insert(0, str(ROOT / "build" / "python"))
     from bench_cost import cost
 
-    return cost()
+    rows = cost()
+    return rows, growth(rows)
+
+
+def growth(rows: list[CostRow]) -> list[str]:
+    """How seconds grow with occupied cells, with the texels and without, and what empty space adds."""
+    cubes = [row for row in rows if " in " not in row["case"]]
+    fixed = [row for row in cubes if row["method"] == "map-512"]
+    growing = [row for row in cubes if row["method"] == f"map-{2 * int(row['case'].partition('^')[0])}"]
+    remarks = [
+        f"{fine['case']}, {fine['method']}: {fine['voxels'] / coarse['voxels']:.2f} times the occupied cells of "
+        f"{coarse['case']}, {coarse['method']}, in {fine['seconds'] / coarse['seconds']:.2f} times the time: "
+        f"exponent {exponent(coarse, fine):.2f}"
+        for series in (fixed, growing)
+        for coarse, fine in zip(series, series[1:])
+    ]
+    for row in rows:
+        if " in " in row["case"]:
+            ratio = row["seconds"] / fixed[0]["seconds"]
+            remarks.append(f"{row['case']}, {row['method']}: {ratio:.2f} times the time without the empty space")
+    return remarks
+
+
+def exponent(coarse: CostRow, fine: CostRow) -> float:
+    """1 where time is linear in occupied cells."""
+    return math.log(fine["seconds"] / coarse["seconds"]) / math.log(fine["voxels"] / coarse["voxels"])
 
 
 def light_maps() -> tuple[Sequence[Row], list[str]]:

@@ -81,8 +81,8 @@ def measure(name: str, scene: sfumato.Scene, occupied: int, texels: int) -> Cost
     )
 
 
-def cost() -> tuple[list[CostRow], list[str]]:
-    """Rows of bench.py cost: cells at a constant map, the map at constant cells, both together, and empty space."""
+def cost() -> list[CostRow]:
+    """The rows of bench.py cost: cells at a constant map, the map at constant cells, both together, and empty space."""
     plume, _ = sfumato.read_volume(str(PLUME), "density")
     sizes = {64: [128, 512], 128: [256, 512], 256: [256, 512, 1024, 2048], 512: [512, 1024]}
     rows: list[CostRow] = []
@@ -98,28 +98,4 @@ def cost() -> tuple[list[CostRow], list[str]]:
             rows.append(measure("64^3 in 256^3", space, occupied, 512))
             del space
         del scene
-    return rows, remarks_on(rows)
-
-
-def remarks_on(rows: list[CostRow]) -> list[str]:
-    """How seconds grow with occupied cells, with the texels and without, and what empty space adds."""
-    cubes = [row for row in rows if " in " not in row["case"]]
-    fixed = [row for row in cubes if row["method"] == "map-512"]
-    growing = [row for row in cubes if row["method"] == f"map-{2 * int(row['case'].partition('^')[0])}"]
-    remarks = [
-        f"{fine['case']}, {fine['method']}: {fine['voxels'] / coarse['voxels']:.2f} times the occupied cells of "
-        f"{coarse['case']}, {coarse['method']}, in {fine['seconds'] / coarse['seconds']:.2f} times the time: "
-        f"exponent {exponent(coarse, fine):.2f}"
-        for series in (fixed, growing)
-        for coarse, fine in zip(series, series[1:])
-    ]
-    for row in rows:
-        if " in " in row["case"]:
-            ratio = row["seconds"] / fixed[0]["seconds"]
-            remarks.append(f"{row['case']}, {row['method']}: {ratio:.2f} times the time without the empty space")
-    return remarks
-
-
-def exponent(coarse: CostRow, fine: CostRow) -> float:
-    """1 where time is linear in occupied cells."""
-    return math.log(fine["seconds"] / coarse["seconds"]) / math.log(fine["voxels"] / coarse["voxels"])
+    return rows
