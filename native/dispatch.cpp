@@ -41,7 +41,7 @@ std::vector<Kernels> runnable() {
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
         all.push_back(SFUMATO_TABLE(avx2, 8));
     }
-    if (false && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+    if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd")) {
         all.push_back(SFUMATO_TABLE(avx512, 16));
     }

@@ -133,13 +133,12 @@ inline float highest(Real x) {
     return -lowest(-x);
 }
 
-// The processor's own instruction. xsimd 8 has it, but asks for its template by two arguments where that takes one, so it
-// falls back on as many insertions as there are lanes, one after another.
+// xsimd 8 means to use the processor's own instruction, but never matches its own overload and inserts one lane after
+// another. With sixteen lanes that was most of a frame's light maps. With eight the instruction gains a fifth, and
+// where microcode guards it (Intel, 2023) it is slow, so there it stays as it is.
 inline Real gather(const float *source, Index index) {
-#if defined(__AVX512F__)
+#ifdef __AVX512F__
     return _mm512_i32gather_ps(index, source, sizeof(float));
-#elif defined(__AVX2__)
-    return _mm256_i32gather_ps(source, index, sizeof(float));
 #else
     return Real::gather(source, index);
 #endif
