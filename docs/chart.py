@@ -53,18 +53,18 @@ def cycles_chart() -> None:
 
 
 def lights_chart() -> None:
-    """A panel for each light; below the line of half its golden's noise nothing can be told."""
+    """A panel for each light; below the line of a quarter of its golden's noise nothing can be told."""
     rows = rows_of("lights")
     cases = list(dict.fromkeys(row["case"] for row in rows))
     figure, panels = plt.subplots(2, (len(cases) + 1) // 2, figsize=(9.6, 4.4), sharex=True, sharey=True)
     for case, axes in zip(cases, panels.flat):
         own = [row for row in rows if row["case"] == case]
-        least = 50.0 * own[0]["noise"]
+        least = 25.0 * own[0]["noise"]
         for engine, style, colour in (("sfumato", "D-", SFUMATO), ("cycles", "o-", CYCLES)):
             line = [row for row in own if row["method"].startswith(engine)]
             errors = [max(error, least) for error in column(line, "true_error", 100.0)]
             axes.loglog(column(line, "seconds"), errors, style, color=colour, markersize=5, label=engine.capitalize())
-        axes.axhline(least, color="0.7", linestyle=":", label="half the golden's noise")
+        axes.axhline(least, color="0.7", linestyle=":", label="a quarter of the golden's noise")
         axes.set_title(case, fontsize=10)
         axes.grid(True, alpha=0.25)
     panels[0, 0].legend(fontsize=7)

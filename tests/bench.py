@@ -69,7 +69,7 @@ def lights() -> tuple[list[Row], list[str]]:
 
 def light_remarks(rows: list[LightRow]) -> list[str]:
     """For each light and quality, how many times longer Cycles needs for Sfumato's error, both without the golden's
-    noise. Where an error is less than half of that noise, the golden cannot tell it well and the remark says so."""
+    noise. Where an error is less than a quarter of that noise, the golden cannot tell it and the remark says so."""
     remarks = []
     for case in dict.fromkeys(row["case"] for row in rows):
         ours = [row for row in rows if row["case"] == case and row["method"].startswith("sfumato-")]
@@ -80,7 +80,7 @@ def light_remarks(rows: list[LightRow]) -> list[str]:
         ]
         said = []
         for row in ours:
-            least = 0.5 * row["noise"]
+            least = 0.25 * row["noise"]
             ratio = seconds_at_error(cycles, max(row["true_error"], least)) / row["seconds"]
             quality = row["method"].partition("-")[2]
             said.append(f"{quality} {'at least ' if row['true_error'] < least else ''}{ratio:.3g}")
