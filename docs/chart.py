@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/cycles.png: error against time, from what `tests/bench.py cycles --json docs/cycles.json` measured."""
+"""docs/cycles.png, lights.png and cost.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
@@ -12,18 +13,35 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
+CYCLES = "0.4"
+SFUMATO = "tab:orange"
 
 
-def main() -> None:
-    rows = json.loads((HERE / "cycles.json").read_text(encoding="utf-8"))
+def rows_of(name: str) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = json.loads((HERE / f"{name}.json").read_text(encoding="utf-8"))
+    return rows
+
+
+def column(rows: list[dict[str, Any]], name: str, scale: float = 1.0) -> list[float]:
+    return [scale * row[name] for row in rows]
+
+
+def save(figure: Any, name: str, dpi: int) -> None:
+    figure.tight_layout()
+    figure.savefig(HERE / f"{name}.png", dpi=dpi)
+    plt.close(figure)
+
+
+def cycles_chart() -> None:
+    rows = rows_of("cycles")
     cycles = [row for row in rows if row["method"].startswith("cycles")]
     ours = next(row for row in rows if row["method"] == "sfumato")
     figure, axes = plt.subplots(figsize=(7.0, 3.6))
-    axes.loglog([row["seconds"] for row in cycles], [100.0 * row["error"] for row in cycles], "o-", color="0.4")
+    axes.loglog([row["seconds"] for row in cycles], [100.0 * row["error"] for row in cycles], "o-", color=CYCLES)
     for row in cycles:
         samples = row["method"].removeprefix("cycles-")
         axes.annotate(f"{samples} spp", (row["seconds"], 100.0 * row["error"]), (4, 5), textcoords="offset points")
-    axes.loglog([ours["seconds"]], [100.0 * ours["error"]], "D", color="tab:orange", markersize=9)
+    axes.loglog([ours["seconds"]], [100.0 * ours["error"]], "D", color=SFUMATO, markersize=9)
     axes.annotate("Sfumato", (ours["seconds"], 100.0 * ours["error"]), (8, 8), textcoords="offset points")
     axes.annotate("Cycles", (cycles[1]["seconds"], 100.0 * cycles[1]["error"]), (-46, -4), textcoords="offset points")
     axes.set_xlabel("seconds for the whole render call")
@@ -31,8 +49,65 @@ def main() -> None:
     axes.set_title("The plume at 640 x 360, frame 25, two cores")
     axes.margins(0.12, 0.14)
     axes.grid(True, which="both", alpha=0.25)
-    figure.tight_layout()
-    figure.savefig(HERE / "cycles.png", dpi=120)
+    save(figure, "cycles", 120)
+
+
+def lights_chart() -> None:
+    """A panel for each light; below the line of a quarter of its golden's noise nothing can be told."""
+    rows = rows_of("lights")
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    figure, panels = plt.subplots(2, (len(cases) + 1) // 2, figsize=(9.6, 4.4), sharex=True, sharey=True)
+    for case, axes in zip(cases, panels.flat):
+        own = [row for row in rows if row["case"] == case]
+        least = 25.0 * own[0]["noise"]
+        for engine, style, colour in (("sfumato", "D-", SFUMATO), ("cycles", "o-", CYCLES)):
+            line = [row for row in own if row["method"].startswith(engine)]
+            errors = [max(error, least) for error in column(line, "true_error", 100.0)]
+            axes.loglog(column(line, "seconds"), errors, style, color=colour, markersize=5, label=engine.capitalize())
+        axes.axhline(least, color="0.7", linestyle=":", label="a quarter of the golden's noise")
+        axes.set_title(case, fontsize=10)
+        axes.grid(True, alpha=0.25)
+    panels[0, 0].legend(fontsize=7)
+    figure.supxlabel("seconds for the whole render call; draft, preview, final; 4, 16, 64 samples", fontsize=9)
+    figure.supylabel("relative RMSE, %", fontsize=9)
+    save(figure, "lights", 90)
+
+
+def cost_chart() -> None:
+    """Seconds against occupied cells, with a map of 512^2 and with one that grows with the grid."""
+    rows = [row for row in rows_of("cost") if " in " not in row["case"]]
+    fixed = [row for row in rows if row["method"] == "map-512"]
+    growing = [row for row in rows if row["method"] == f"map-{2 * int(row['case'].partition('^')[0])}"]
+    figure, axes = plt.subplots(figsize=(6.0, 3.6))
+    axes.loglog(column(fixed, "voxels"), column(fixed, "seconds"), "s-", color=CYCLES, label="a map of 512 x 512")
+    axes.loglog(
+        column(growing, "voxels"),
+        column(growing, "seconds"),
+        "D-",
+        color=SFUMATO,
+        label="a map that grows with the grid",
+    )
+    first = growing[0]
+    axes.loglog(
+        column(growing, "voxels"),
+        [first["seconds"] * row["voxels"] / first["voxels"] for row in growing],
+        ":",
+        color="0.6",
+        label="linear",
+    )
+    for row in growing:
+        axes.annotate(row["case"], (row["voxels"], row["seconds"]), (6, -10), textcoords="offset points", fontsize=8)
+    axes.set_xlabel("occupied cells")
+    axes.set_ylabel("seconds, light map and lit smoke")
+    axes.grid(True, which="both", alpha=0.25)
+    axes.legend(fontsize=8)
+    save(figure, "cost", 90)
+
+
+def main() -> None:
+    cycles_chart()
+    lights_chart()
+    cost_chart()
 
 
 if __name__ == "__main__":

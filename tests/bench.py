@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from bench_rows import Row
+from bench_rows import CostRow, LightRow, Row
 from blender_run import ROOT, run_script
 
 
@@ -54,6 +54,73 @@ def against_cycles() -> tuple[list[Row], list[str]]:
     return rows, [f"Cycles needs {rival:.3g} s for sfumato's error: sfumato is {speed_up:.3g} times as fast"]
 
 
+def lights() -> tuple[list[Row], list[str]]:
+    """Whole renders of the plume in each kind of light."""
+    methods = [f"sfumato-{quality}" for quality in ("draft", "preview", "final")]
+    methods += [f"cycles-{samples}" for samples in (4, 16, 64)]
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder) / "rows.json"
+        script = ROOT / "tests" / "bench_lights_in_blender.py"
+        goldens = ROOT / "tests" / "goldens" / "lights"
+        run_script(ROOT / "blend_samples" / "plume.blend", script, str(goldens), str(answer), *methods)
+        rows: list[LightRow] = json.loads(answer.read_text(encoding="utf-8"))
+    return rows, light_remarks(rows)
+
+
+def light_remarks(rows: list[LightRow]) -> list[str]:
+    """For each light and quality, how many times longer Cycles needs for Sfumato's error, both without the golden's
+    noise. Where an error is less than a quarter of that noise, the golden cannot tell it and the remark says so."""
+    remarks = []
+    for case in dict.fromkeys(row["case"] for row in rows):
+        ours = [row for row in rows if row["case"] == case and row["method"].startswith("sfumato-")]
+        cycles = [
+            row | {"error": row["true_error"]}
+            for row in rows
+            if row["case"] == case and row["method"].startswith("cycles-")
+        ]
+        said = []
+        for row in ours:
+            least = 0.25 * row["noise"]
+            ratio = seconds_at_error(cycles, max(row["true_error"], least)) / row["seconds"]
+            quality = row["method"].partition("-")[2]
+            said.append(f"{quality} {'at least ' if row['true_error'] < least else ''}{ratio:.3g}")
+        remarks.append(f"{case}: Cycles needs as many times as long for Sfumato's error: {', '.join(said)}")
+    return remarks
+
+
+def scale() -> tuple[Sequence[Row], list[str]]:
+    """What light maps and lit smoke cost as the grid and the map grow."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_cost import cost
+
+    rows = cost()
+    return rows, growth(rows)
+
+
+def growth(rows: list[CostRow]) -> list[str]:
+    """How seconds grow with occupied cells, with the texels and without, and what empty space adds."""
+    cubes = [row for row in rows if " in " not in row["case"]]
+    fixed = [row for row in cubes if row["method"] == "map-512"]
+    growing = [row for row in cubes if row["method"] == f"map-{2 * int(row['case'].partition('^')[0])}"]
+    remarks = [
+        f"{fine['case']}, {fine['method']}: {fine['voxels'] / coarse['voxels']:.2f} times the occupied cells of "
+        f"{coarse['case']}, {coarse['method']}, in {fine['seconds'] / coarse['seconds']:.2f} times the time: "
+        f"exponent {exponent(coarse, fine):.2f}"
+        for series in (fixed, growing)
+        for coarse, fine in zip(series, series[1:])
+    ]
+    for row in rows:
+        if " in " in row["case"]:
+            ratio = row["seconds"] / fixed[0]["seconds"]
+            remarks.append(f"{row['case']}, {row['method']}: {ratio:.2f} times the time without the empty space")
+    return remarks
+
+
+def exponent(coarse: CostRow, fine: CostRow) -> float:
+    """1 where time is linear in occupied cells."""
+    return math.log(fine["seconds"] / coarse["seconds"]) / math.log(fine["voxels"] / coarse["voxels"])
+
+
 def light_maps() -> tuple[Sequence[Row], list[str]]:
     """Ways to store a light ray, and rivals, on seeded profiles and on real frames."""
     sys.path.insert(0, str(ROOT / "build" / "python"))
@@ -79,8 +146,10 @@ def area_lights() -> tuple[Sequence[Row], list[str]]:
 
 SUBJECTS: dict[str, Callable[[], tuple[Sequence[Row], list[str]]]] = {
     "arealights": area_lights,
+    "cost": scale,
     "cycles": against_cycles,
     "lightmaps": light_maps,
+    "lights": lights,
 }
 
 

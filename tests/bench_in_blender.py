@@ -3,7 +3,8 @@
 
     blender -b SCENE.blend --python bench_in_blender.py -- GOLDEN.exr ROWS.json METHOD ...
 
-GOLDEN.json beside GOLDEN.exr gives the frame and the rectangle. A METHOD is `sfumato` or `cycles-SAMPLES`.
+GOLDEN.json beside GOLDEN.exr gives the frame and the rectangle. A METHOD is `sfumato`, `sfumato-QUALITY` or
+`cycles-SAMPLES`.
 """
 
 from __future__ import annotations
@@ -40,10 +41,12 @@ def relative_rmse(image: np.ndarray, golden: np.ndarray) -> float:
 def choose(method: str) -> None:
     """Make the next render one by `method`."""
     scene = bpy.context.scene
-    engine, _, samples = method.partition("-")
+    engine, _, setting = method.partition("-")
     scene.render.engine = engine.upper()
-    if samples:
-        scene.cycles.samples = int(samples)
+    if engine == "cycles":
+        scene.cycles.samples = int(setting)
+    elif setting:
+        scene.sfumato.quality = setting.upper()
 
 
 def seconds_of_render() -> float:

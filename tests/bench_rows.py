@@ -10,7 +10,7 @@ class Row(TypedDict):
     case: str
     method: str
     metric: str
-    error: float
+    error: float | None
     seconds: float
     bytes: int | None
 
@@ -33,3 +33,18 @@ class AreaLightRow(Row):
 
     max_error: float
     p95_relative: float  # 95th percentile of the relative error where L > .01
+
+
+class LightRow(Row):
+    """One render of the plume in one light. All three errors are relative RMSE over the picture."""
+
+    noise: float  # of the golden
+    true_error: float  # without the golden's noise, which is independent of the rival's
+
+
+class CostRow(Row):
+    """Seconds of light map and lit cells."""
+
+    voxels: int  # that hold smoke
+    texels: int
+    seconds_per_voxel: float

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from bench import seconds_at_error, table
-from bench_rows import RayRow, Row
+from bench import growth, light_remarks, seconds_at_error, table
+from bench_rows import CostRow, LightRow, RayRow, Row
 
 
 def noisy_rows(samples: list[int]) -> list[Row]:
@@ -62,3 +62,84 @@ def test_table_has_a_column_for_each_number() -> None:
         "growth": "0.02000",
         "outlier": "0.90000",
     }
+
+
+def columns(row: Row) -> dict[str, str]:
+    """The table's cells of one row, by the name of their column."""
+    _, names, numbers = table([row]).splitlines()
+    return dict(zip(names.split(), numbers.split(), strict=True))
+
+
+def light_row(method: str, error: float, seconds: float) -> LightRow:
+    return LightRow(
+        case="spot",
+        method=method,
+        metric="RMSE",
+        error=(error**2 + 0.01**2) ** 0.5,
+        seconds=seconds,
+        bytes=None,
+        noise=0.01,
+        true_error=error,
+    )
+
+
+def test_lights_have_a_column_for_the_noise_of_the_golden() -> None:
+    assert columns(light_row("sfumato-draft", 0.02, 0.1)) == {
+        "case": "spot",
+        "method": "sfumato-draft",
+        "error": "0.02236",
+        "seconds": "0.10000",
+        "bytes": "-",
+        "noise": "0.01000",
+        "true_error": "0.02000",
+    }
+
+
+def test_ratio_to_cycles_is_free_of_the_noise_of_the_golden() -> None:
+    rivals = [light_row(f"cycles-{n}", 0.1 / n**0.5, 0.5 * n) for n in (4, 16, 64)]
+    ours = [light_row("sfumato-draft", 0.02, 0.1), light_row("sfumato-final", 0.001, 0.5)]
+    # At draft's error Cycles takes 25 samples; final's is below what the golden can tell, a quarter of its noise: 1600 samples.
+    (remark,) = light_remarks([*ours, *rivals])
+    assert remark == "spot: Cycles needs as many times as long for Sfumato's error: draft 125, final at least 1.6e+03"
+
+
+def cost_row(case: str, method: str, voxels: int, seconds: float) -> CostRow:
+    return CostRow(
+        case=case,
+        method=method,
+        metric="time",
+        error=None,
+        seconds=seconds,
+        bytes=1088,
+        voxels=voxels,
+        texels=16,
+        seconds_per_voxel=seconds / voxels,
+    )
+
+
+def test_cost_has_columns_for_voxels_and_texels() -> None:
+    assert columns(cost_row("64^3", "map-128", 1000, 0.5)) == {
+        "case": "64^3",
+        "method": "map-128",
+        "error": "-",
+        "seconds": "0.50000",
+        "bytes": "1088",
+        "voxels": "1000",
+        "texels": "16",
+        "seconds_per_voxel": "5.00e-04",
+    }
+
+
+def test_growth_is_told_for_each_series_and_for_empty_space() -> None:
+    rows = [
+        cost_row("64^3", "map-128", 1000, 0.1),
+        cost_row("64^3", "map-512", 1000, 0.4),
+        cost_row("64^3 in 256^3", "map-512", 1000, 0.5),
+        cost_row("128^3", "map-256", 8000, 0.8),
+        cost_row("128^3", "map-512", 8000, 0.8),
+    ]
+    assert growth(rows) == [
+        "128^3, map-512: 8.00 times the occupied cells of 64^3, map-512, in 2.00 times the time: exponent 0.33",
+        "128^3, map-256: 8.00 times the occupied cells of 64^3, map-128, in 8.00 times the time: exponent 1.00",
+        "64^3 in 256^3, map-512: 1.25 times the time without the empty space",
+    ]
