@@ -52,10 +52,11 @@ class Surface:
     reflectance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     edge: float = 0.0
     alpha: tuple[float, float] = (0.0, 0.0)
+    emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
     @property
     def gloss(self) -> tuple[float, ...]:
-        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha)
+        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart())
 
 
 def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
