@@ -193,9 +193,9 @@ void pack(const Surface &surface, const vec3 &point, const vec3 &direction, Shad
     store(surface.normal, packet.normal);
     store(direction, packet.direction);
     packet.glossy = surface.glossy;
-    // Where nothing is glossy these are loaded too, but count for nothing.
-    store(surface.glossy ? surface.tangents.x : surface.normal, packet.tangent);
-    store(surface.glossy ? surface.tangents.y : surface.normal, packet.bitangent);
+    const Plane plane = surface.glossy ? surface.tangents : plane_across(surface.normal);
+    store(plane.x, packet.tangent);
+    store(plane.y, packet.bitangent);
     surface.alpha_x.store_aligned(packet.alpha_x);
     surface.alpha_y.store_aligned(packet.alpha_y);
     surface.apart.store_aligned(packet.apart);
