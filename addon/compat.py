@@ -48,6 +48,11 @@ def point_light_habits() -> dict[str, bool]:
     return {"facing_disk": old, "spot_cosine": old}
 
 
+def masks_apart() -> float:
+    """1 where Cycles multiplies the two G1 of Smith's masking, as before 4.0; 0 where it correlates them by height."""
+    return float(bpy.app.version < (4, 0, 0))
+
+
 def reflectance(principled: Any) -> float:
     """Of light from straight on, of the dielectric layer of a Principled BSDF."""
     if "Specular IOR Level" in principled.inputs:  # 4.0: a factor of what the index of refraction gives

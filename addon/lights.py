@@ -49,3 +49,50 @@ def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArra
         tangent = math.tan(0.5 * spread)
         radiance = radiance * (tangent / (tangent - 0.5 * spread))
     scene.add_area(matrix[:3, 3], across, up, radiance, ellipse, spread)
+
+
+MOST_RECTANGLES = 8
+
+
+def add_emitters(
+    scene: Any, corners: NDArray[np.float64], radiance: NDArray[np.float64], name: str, notices: list[str]
+) -> int:
+    """Light from triangles (n, 3, 3) that emit (n, 3), on both sides: the rectangles among them. Returns how many lights.
+
+    What is no rectangle is seen to glow, but lights nothing; a notice says so.
+    """
+    glowing = radiance.any(axis=1)
+    corners, radiance = corners[glowing], radiance[glowing]
+    if len(corners) == 0:
+        return 0
+    # Blender makes two triangles in a row of each face with four corners.
+    pairs = zip(corners[::2], corners[1::2], radiance[::2], radiance[1::2])
+    found = [(rectangle_of(a, b), c) for a, b, c, d in pairs if (c == d).all()]
+    rectangles = [(rectangle, c) for rectangle, c in found if rectangle is not None]
+    if 2 * len(rectangles) != len(corners) or len(rectangles) > MOST_RECTANGLES:
+        notices.append(f"{name}: it emits, but lights nothing: only up to {MOST_RECTANGLES} flat rectangles do")
+        return 0
+    for (middle, across, up), colour in rectangles:
+        for x, y in ((across, up), (up, across)):
+            # Off the surface, so that this does not shade the light that it gives to smoke.
+            normal = np.cross(y, x)
+            off = 1e-4 * normal / np.sqrt(np.linalg.norm(normal))
+            scene.add_area(middle + off, x, y, colour)
+    return 2 * len(rectangles)
+
+
+def rectangle_of(
+    a: NDArray[np.float64], b: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None:
+    """The middle and the half axes of the rectangle that two triangles (3, 3) make, or None."""
+    shared = [i for i in range(3) if (a[i] == b).all(axis=1).any()]
+    others = [i for i in range(3) if not (b[i] == a).all(axis=1).any()]
+    if len(shared) != 2 or len(others) != 1:
+        return None
+    apex = a[3 - sum(shared)]
+    across, up = 0.5 * (a[shared[0]] - apex), 0.5 * (a[shared[1]] - apex)
+    size = float(np.linalg.norm(across) * np.linalg.norm(up))
+    opposite = b[others[0]] - (apex + 2.0 * (across + up))
+    if size < 1e-12 or abs(across @ up) > 1e-3 * size or np.linalg.norm(opposite) > 1e-3 * np.sqrt(size):
+        return None
+    return apex + across + up, across, up

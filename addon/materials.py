@@ -52,10 +52,11 @@ class Surface:
     reflectance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     edge: float = 0.0
     alpha: tuple[float, float] = (0.0, 0.0)
+    emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
     @property
     def gloss(self) -> tuple[float, ...]:
-        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha)
+        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart())
 
 
 def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
@@ -98,6 +99,9 @@ def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
         return None if output.inputs["Volume"].is_linked else Surface(np.zeros(3))
     if shader.type == "BSDF_PRINCIPLED":
         return principled(shader, owner, notices)
+    if shader.type == "EMISSION":
+        radiance = value_of(shader, "Color", owner, notices) * value_of(shader, "Strength", owner, notices)
+        return Surface(np.zeros(3), emission=np.maximum(radiance, 0.0))
     if shader.type == "BSDF_DIFFUSE":
         return Surface(value_of(shader, "Color", owner, notices))
     if shader.type in {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"}:

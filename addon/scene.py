@@ -44,7 +44,7 @@ def export(depsgraph: Any) -> Export:
             if medium is not None:
                 media.append((thing.name, medium))
             elif thing.type in SURFACE_TYPES:
-                add_surface(out, thing, matrix)
+                lit += add_surface(out, thing, matrix)
         except ValueError as error:
             out.notices.append(f"{thing.name}: {error}")
     if lit == 0:
@@ -66,19 +66,19 @@ def frame_of(depsgraph: Any, source: str) -> Any:
     return core.module().Frame(out.scene, **props.QUALITIES[props.of(depsgraph.scene).quality].frame)
 
 
-def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> None:
-    """The triangles of an object, in world space."""
+def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> int:
+    """The triangles of an object, in world space. Returns how many lights those that emit are."""
     surfaces = materials.surfaces(thing, out.notices)
     if surfaces is None:
-        return
+        return 0
     mesh = thing.to_mesh()
     if mesh is None:
-        return
+        return 0
     try:
         mesh.calc_loop_triangles()
         count = len(mesh.loop_triangles)
         if count == 0:
-            return
+            return 0
         vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
         triangles = np.empty(count * 3, dtype=np.int32)
         material = np.empty(count, dtype=np.int32)
@@ -102,7 +102,9 @@ def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> None:
         gloss = [surface.gloss for surface in surfaces]
     if any(surface.alpha[0] != surface.alpha[1] for surface in surfaces):
         tangents = (radial_tangents(vertices.reshape(-1, 3)) @ matrix[:3, :3].T)[corners]
-    out.scene.add_mesh(world, corners, turned, slots, albedo, gloss, tangents)
+    emission = np.array([surface.emission for surface in surfaces])
+    out.scene.add_mesh(world, corners, turned, slots, albedo, gloss, tangents, emission if emission.any() else None)
+    return lights.add_emitters(out.scene, world[corners], emission[slots], thing.name, out.notices)
 
 
 def radial_tangents(vertices: NDArray[np.float32]) -> NDArray[np.float64]:

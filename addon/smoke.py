@@ -86,4 +86,7 @@ def volume_grid(volume: Any) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     density, grid_to_object = core.module().read_volume(path)
     if density.size == 0:
         raise ValueError(f"'{path}' holds no smoke")
+    # To OpenVDB a sample is a point of the lattice. Cycles takes it for the centre of a cell, half a cell further on:
+    # that is where Mantaflow, which writes such files, means it to be.
+    grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, 0.5)
     return density, grid_to_object

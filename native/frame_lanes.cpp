@@ -21,7 +21,8 @@ struct Surface {
     bool glossy = false; // whether any lane is
     Plane tangents;      // x the direction of alpha_x; set where glossy
     vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
-    Real edge, alpha_x, alpha_y;
+    Real edge, alpha_x, alpha_y, apart;
+    vec3 emission;
 };
 
 // Embree's packets want -1 for lanes that trace and 0 for those that rest.
@@ -111,6 +112,8 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     surface.edge = property(6);
     surface.alpha_x = property(7);
     surface.alpha_y = property(8);
+    surface.apart = property(9);
+    surface.emission = {property(10), property(11), property(12)};
     surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
     if (surface.glossy) {
         surface.tangents = plane_across(surface.normal);
@@ -190,11 +193,12 @@ void pack(const Surface &surface, const vec3 &point, const vec3 &direction, Shad
     store(surface.normal, packet.normal);
     store(direction, packet.direction);
     packet.glossy = surface.glossy;
-    // Where nothing is glossy these are loaded too, but count for nothing.
-    store(surface.glossy ? surface.tangents.x : surface.normal, packet.tangent);
-    store(surface.glossy ? surface.tangents.y : surface.normal, packet.bitangent);
+    const Plane plane = surface.glossy ? surface.tangents : plane_across(surface.normal);
+    store(plane.x, packet.tangent);
+    store(plane.y, packet.bitangent);
     surface.alpha_x.store_aligned(packet.alpha_x);
     surface.alpha_y.store_aligned(packet.alpha_y);
+    surface.apart.store_aligned(packet.apart);
 }
 
 // The share of a light that reaches a surface: past solids, asked for one point of the light, and through the smoke.
@@ -210,6 +214,12 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
                     const Surface &surface) {
     Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
     const bool picture = output == Output::PICTURE || output == Output::SURFACES;
+    if (picture) {
+        const Real emissions[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
+        for (int c = 0; c < 3; ++c) {
+            out.open[c] = out.shadowed[c] = emissions[c];
+        }
+    }
     const vec3 point = ray.origin + ray.direction * surface.distance;
     // Start the shadow ray off the surface by a few rounding errors of the coordinates.
     const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));

@@ -16,7 +16,7 @@ using namespace arguments;
 
 void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
               const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
-              const std::optional<Floats> &corner_tangents) {
+              const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission) {
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
     const py::ssize_t count = triangles.shape(0);
@@ -36,10 +36,10 @@ void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, co
     vectors(vertices, mesh.vertices);
     vectors(albedo, mesh.albedo);
     if (gloss) {
-        require_shape(*gloss, {albedo.shape(0), 6}, "gloss");
+        require_shape(*gloss, {albedo.shape(0), 7}, "gloss");
         require_range(*gloss, 0.0F, 1.0F, "gloss");
-        for (const float *row = gloss->data(); row != gloss->data() + gloss->size(); row += 6) {
-            mesh.gloss.push_back({{row[0], row[1], row[2]}, row[3], {row[4], row[5]}});
+        for (const float *row = gloss->data(); row != gloss->data() + gloss->size(); row += 7) {
+            mesh.gloss.push_back({{row[0], row[1], row[2]}, row[3], {row[4], row[5]}, row[6] > 0.0F});
         }
     }
     if (corner_tangents) {
@@ -49,6 +49,11 @@ void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, co
         for (py::ssize_t i = 0; i < 3 * count; i += 3) {
             mesh.corner_tangents.push_back({tangents[i], tangents[i + 1], tangents[i + 2]});
         }
+    }
+    if (emission) {
+        require_shape(*emission, {albedo.shape(0), 3}, "emission");
+        require_range(*emission, 0.0F, 1e30F, "emission");
+        vectors(*emission, mesh.emission);
     }
     const auto *normals = reinterpret_cast<const glm::vec3 *>(corner_normals.data());
     for (std::size_t first = 0; first < corners.size(); first += 3) {
@@ -189,13 +194,15 @@ void bind_scene(py::module_ &m) {
         .def(py::init<>())
         .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::arg("corner_normals"),
              py::arg("material"), py::arg("albedo"), py::arg("gloss") = py::none(),
-             py::arg("corner_tangents") = py::none(),
+             py::arg("corner_tangents") = py::none(), py::arg("emission") = py::none(),
              R"(Add triangles that reflect diffusely, and with gloss.
 
 vertices (n, 3), metres in world space; triangles (m, 3), indices into vertices; corner_normals (m, 3, 3), unit
-length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 6) in [0, 1]: the reflectance of light
+length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 7) in [0, 1]: the reflectance of light
 from straight on (3), 1 where all light is reflected at grazing angles (Schlick 1994) and 0 where it is no more than
-straight on, and GGX's alpha along the tangent and across it, both 0 for no gloss; corner_tangents (m, 3, 3).
+straight on, GGX's alpha along the tangent and across it, both 0 for no gloss, and 1 where masking and shadowing are
+independent (Smith's two G1) and 0 where they go by height (Heitz 2014, eq 99); corner_tangents (m, 3, 3). emission
+(k, 3), the radiance in W/(m^2 sr) that the surface sends to the eye by itself; it lights nothing.
 Raises ValueError for wrong shapes, indices out of range and values that are not finite.
 
 >>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])

@@ -17,6 +17,9 @@ struct Gloss {
     glm::vec3 reflectance{0.0F}; // of light from straight on
     float edge = 0.0F;           // 1: at grazing angles all is reflected (Schlick 1994); 0: no more than straight on
     std::array<float, 2> alpha{0, 0}; // slopes along the tangent and across it; the square of an artist's roughness
+    // A habit of older renderers: what masks and what shadows a facet know nothing of each other (the product of
+    // Smith's two G1), where they go by its height (Heitz 2014, eq 99).
+    bool apart = false;
 };
 
 // Triangles that reflect diffusely, and with gloss. Every triangle has three corner normals, so flat, smooth and custom
@@ -29,6 +32,7 @@ struct Mesh {
     std::vector<glm::vec3> albedo;
     std::vector<Gloss> gloss;                              // one for each albedo; or none
     std::vector<std::array<glm::vec3, 3>> corner_tangents; // as corner_normals; or none
+    std::vector<glm::vec3> emission; // radiance on both sides, one for each albedo; or none. It lights nothing
 };
 
 // Smoke: a grid of densities, cell-centred, interpolated trilinearly and zero outside.

@@ -9,10 +9,10 @@ namespace sfumato {
 struct ShadingPacket {
     alignas(64) float point[3][MAX_LANES];
     alignas(64) float normal[3][MAX_LANES];  // shading normal, towards the eye
-    alignas(64) float tangent[3][MAX_LANES]; // the direction of alpha_x; read where glossy
+    alignas(64) float tangent[3][MAX_LANES]; // the direction of alpha_x
     alignas(64) float bitangent[3][MAX_LANES];
     alignas(64) float direction[3][MAX_LANES]; // of the view ray
-    alignas(64) float alpha_x[MAX_LANES], alpha_y[MAX_LANES];
+    alignas(64) float alpha_x[MAX_LANES], alpha_y[MAX_LANES], apart[MAX_LANES];
     bool glossy = false; // whether any lane is
 
     // For a light of strength 1: what a white diffuse surface sends to the eye, and what gloss does, for a reflectance

@@ -25,13 +25,20 @@ Shading scaled(const Shading &s, Real by) {
 struct Receiver {
     vec3 point, normal, tangent, bitangent;
     vec3 view; // towards the eye, in the surface's frame
-    Real alpha_x, alpha_y;
+    Real alpha_x, alpha_y, apart;
     bool glossy;
 
     explicit Receiver(const ShadingPacket &p)
         : point(load(p.point)), normal(load(p.normal)), tangent(load(p.tangent)), bitangent(load(p.bitangent)),
           view(local(-load(p.direction))), alpha_x(Real::load_aligned(p.alpha_x)),
-          alpha_y(Real::load_aligned(p.alpha_y)), glossy(p.glossy) {}
+          alpha_y(Real::load_aligned(p.alpha_y)), apart(Real::load_aligned(p.apart)), glossy(p.glossy) {}
+
+    // The lobe, no narrower than a given alpha.
+    [[nodiscard]] Microfacets facets(float narrowest = 0.0F) const {
+        Microfacets m = microfacets(BRDF_GGX, view, max(alpha_x, narrowest), max(alpha_y, narrowest));
+        m.apart = apart;
+        return m;
+    }
 
     [[nodiscard]] vec3 local(const vec3 &v) const { return {dot(v, tangent), dot(v, bitangent), dot(v, normal)}; }
 
@@ -45,24 +52,23 @@ Shading from_direction(const Receiver &r, const vec3 &towards) {
     if (!r.glossy) {
         return {diffuse, {0.0F, 0.0F}};
     }
-    const Microfacets m = microfacets(BRDF_GGX, r.view, r.alpha_x, r.alpha_y);
-    return {diffuse, microfacet_reflection(m, r.local(towards))};
+    return {diffuse, microfacet_reflection(r.facets(), r.local(towards))};
 }
 
 // The closed forms hand structures on to each other: inlined into one function they stay in registers, 1.6 times as
 // fast.
 [[gnu::flatten]] Reflection gloss_of_sphere(const Receiver &r, const vec3 &middle, Real radius) {
-    return ggx_sphere(r.view, r.alpha_x, r.alpha_y, r.local(middle), radius);
+    return microfacet_sphere(r.facets(), r.local(middle), radius);
 }
 
 [[gnu::flatten]] Reflection gloss_of_quad(const Receiver &r, const vec3 &a, const vec3 &b, const vec3 &c,
                                           const vec3 &d) {
-    return ggx_quad(r.view, r.alpha_x, r.alpha_y, r.local(a), r.local(b), r.local(c), r.local(d));
+    return microfacet_quad(r.facets(), r.local(a), r.local(b), r.local(c), r.local(d));
 }
 
 [[gnu::flatten]] Reflection gloss_of_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across,
                                              const vec3 &up) {
-    return ggx_ellipse(r.view, r.alpha_x, r.alpha_y, r.local(middle), r.local(across), r.local(up));
+    return microfacet_ellipse(r.facets(), r.local(middle), r.local(across), r.local(up));
 }
 
 // A sphere of radiance 1.
@@ -91,37 +97,98 @@ Shading from_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across, 
     return out;
 }
 
-// The grid before a lamp dims each of its points by the direction in which that sends its light. No closed form knows
-// of it: what the surface makes of the whole lamp is multiplied by the mean over a lattice of points, each weighed by
-// what it is worth to the surface. For gloss no narrower lobe is weighed than the lattice can see.
-Shading through_grid(const Receiver &r, const LightView &light, const vec3 &middle, const Shading &whole) {
+// A lamp as a plate with a light's outline, its axes in the surface's frame.
+struct Plate {
+    vec3 middle, across, up, direction; // half axes
+    bool ellipse;
+};
+
+Plate plate_of(const Receiver &r, const LightView &light, const vec3 &middle) {
+    if (light.kind != Light::Kind::SPHERE) {
+        return {r.local(middle), r.local(broadcast(light.across)), r.local(broadcast(light.up)),
+                r.local(broadcast(light.direction)), light.kind == Light::Kind::ELLIPSE};
+    }
+    // The disk that a sphere shows to the surface.
+    const vec3 direction = normalised(-r.local(middle));
+    const Plane plane = plane_across(direction);
+    return {r.local(middle), plane.x * Real(light.radius), plane.y * Real(light.radius), direction, true};
+}
+
+// Where a narrow lobe sees a plate: the middle of what it sees, in half axes, and how wide that is, in metres.
+struct Spotlight {
+    Real x, y, width;
+};
+
+Spotlight all_of(const Plate &plate) {
+    return {0.0F, 0.0F, 100.0F * sqrt(max(dot(plate.across, plate.across), dot(plate.up, plate.up)))};
+}
+
+Spotlight seen_by_gloss(const Receiver &r, const Plate &plate) {
+    const vec3 mirrored{-r.view.x, -r.view.y, r.view.z};
+    // Mirrored rays that miss the plate's plane, or graze it, are bent down to it.
+    const Real distance = dot(plate.middle, plate.direction) / min(dot(mirrored, plate.direction), -0.1F);
+    const vec3 offset = mirrored * max(distance, 0.0F) - plate.middle;
+    const Real across2 = dot(plate.across, plate.across), up2 = dot(plate.up, plate.up);
+    const Real x = dot(offset, plate.across) / across2, y = dot(offset, plate.up) / up2;
+    // Far beside the plate the lobe is but its tail, which changes no faster than with the distance.
+    const Real beside = max(max(abs(x) - 1.0F, 0.0F) * sqrt(across2), max(abs(y) - 1.0F, 0.0F) * sqrt(up2));
+    const Real width = 2.0F * sqrt(max(r.alpha_x * r.alpha_y, 1e-4F)) * max(distance, 0.0F);
+    return {clamp(x, -20.0F, 20.0F), clamp(y, -20.0F, 20.0F), max(width, 0.5F * beside)};
+}
+
+// GGX's density seen edge on, (width^2 + s^2)^-3/2, between two ends: the place up to which a share of it lies, and the
+// length per share there.
+struct Node {
+    Real place, length;
+};
+
+Node node_between(Real low, Real high, Real width, float share) {
+    const Real w2 = width * width;
+    const Real u0 = low / sqrt(w2 + low * low), u1 = high / sqrt(w2 + high * high);
+    const Real u = u0 + (u1 - u0) * share, left = max(1.0F - u * u, 1e-6F), scale = width / sqrt(left);
+    return {u * scale, (u1 - u0) * scale / left};
+}
+
+// A lamp dims each of its points by the direction in which that sends its light: by the grid before it, or by the rim
+// of its cone. No closed form knows of it: what the surface makes of the whole lamp is multiplied by the mean over
+// points, each weighed by what it is worth to the surface. The points are where the surface looks.
+template <typename Fade, typename Worth>
+Real mean_fade(const Plate &plate, const Spotlight &seen, const Fade &fade, const Worth &worth) {
     constexpr int SIDE = 6;
-    constexpr float WIDEST = 0.3F;
-    Real weights = 1e-20F, sum = 0.0F, gloss_weights = 1e-20F, gloss_sum = 0.0F;
-    const Microfacets m = microfacets(BRDF_GGX, r.view, max(r.alpha_x, WIDEST), max(r.alpha_y, WIDEST));
-    for (int i = 0; i < SIDE * SIDE; ++i) {
-        float x = (2.0F * static_cast<float>(i % SIDE) + 1.0F) / SIDE - 1.0F;
-        float y = (2.0F * static_cast<float>(i / SIDE) + 1.0F) / SIDE - 1.0F;
-        if (light.kind == Light::Kind::ELLIPSE && x * x + y * y > 1.0F) {
-            continue;
-        }
-        const vec3 there = middle + broadcast(light.across) * Real(x) + broadcast(light.up) * Real(y);
-        const Real distance2 = max(dot(there, there), 1e-20F);
-        const vec3 towards = there * (1.0F / sqrt(distance2));
-        const Real cosine = -dot(towards, broadcast(light.direction));
-        const Real patch = max(cosine, 0.0F) / distance2;
-        const Real left = spread_fade(cosine, light.spread_cotangent);
-        const Real weight = patch * max(dot(r.normal, towards), 0.0F);
-        weights = weights + weight;
-        sum = sum + weight * left;
-        if (r.glossy) {
-            const Real gloss = patch * microfacet_reflection(m, r.local(towards)).plain;
-            gloss_weights = gloss_weights + gloss;
-            gloss_sum = gloss_sum + gloss * left;
+    const Real length_x = sqrt(dot(plate.across, plate.across)), length_y = sqrt(dot(plate.up, plate.up));
+    Real weights = 1e-30F, sum = 0.0F;
+    for (int i = 0; i < SIDE; ++i) {
+        const float column = (static_cast<float>(i) + 0.5F) / SIDE;
+        const Node x = node_between((-1.0F - seen.x) * length_x, (1.0F - seen.x) * length_x, seen.width, column);
+        const Real at_x = seen.x + x.place / length_x;
+        const Real chord = plate.ellipse ? sqrt(max(1.0F - at_x * at_x, 1e-6F)) : Real(1.0F);
+        const Real width = sqrt(seen.width * seen.width + x.place * x.place);
+        for (int j = 0; j < SIDE; ++j) {
+            const float row = (static_cast<float>(j) + 0.5F) / SIDE;
+            const Node y = node_between((-chord - seen.y) * length_y, (chord - seen.y) * length_y, width, row);
+            const vec3 there = plate.middle + plate.across * at_x + plate.up * (seen.y + y.place / length_y);
+            const Real distance2 = max(dot(there, there), 1e-20F);
+            const vec3 towards = there * (1.0F / sqrt(distance2));
+            const Real cosine = max(-dot(towards, plate.direction), 0.0F);
+            const Real weight = worth(towards) * cosine / distance2 * (x.length * y.length);
+            weights = weights + weight;
+            sum = sum + weight * fade(towards, cosine);
         }
     }
-    const Real gloss = gloss_sum / gloss_weights;
-    return {whole.diffuse * (sum / weights), {whole.gloss.plain * gloss, whole.gloss.schlick * gloss}};
+    return sum / weights;
+}
+
+template <typename Fade>
+Shading dimmed(const Receiver &r, const Plate &plate, const Shading &whole, const Fade &fade) {
+    const Real diffuse =
+        mean_fade(plate, all_of(plate), fade, [](const vec3 &towards) { return max(towards.z, 0.0F); });
+    if (!r.glossy) {
+        return {whole.diffuse * diffuse, whole.gloss};
+    }
+    const Microfacets m = r.facets();
+    const Real gloss = mean_fade(plate, seen_by_gloss(r, plate), fade,
+                                 [&](const vec3 &towards) { return microfacet_reflection(m, towards).plain; });
+    return {whole.diffuse * diffuse, {whole.gloss.plain * gloss, whole.gloss.schlick * gloss}};
 }
 
 Shading shading_of(const Receiver &r, const LightView &light) {
@@ -137,19 +204,27 @@ Shading shading_of(const Receiver &r, const LightView &light) {
     const vec3 middle = broadcast(light.position) - r.point;
     if (light.kind == Light::Kind::SPHERE) {
         const Real distance2 = max(dot(middle, middle), 1e-20F);
-        const Real fade = spot_share(light, -middle);
         if (light.radius == 0.0F) {
-            return scaled(from_direction(r, middle * (1.0F / sqrt(distance2))), fade / distance2);
+            return scaled(from_direction(r, middle * (1.0F / sqrt(distance2))), spot_share(light, -middle) / distance2);
         }
         const Real radius = light.radius / sqrt(1.0F + light.facing2 / distance2);
         const float brightness = 0.318309886F / (light.radius * light.radius);
-        return scaled(from_sphere(r, middle, radius), fade * brightness);
+        const Shading whole = scaled(from_sphere(r, middle, radius), brightness);
+        if (light.cone_cosine <= -1.0F) {
+            return whole;
+        }
+        const vec3 axis = r.local(broadcast(light.direction));
+        return dimmed(r, plate_of(r, light, middle), whole, [&](const vec3 &towards, Real /*cosine*/) {
+            return spot_share_along(light, -dot(towards, axis));
+        });
     }
     const vec3 across = broadcast(light.across), up = broadcast(light.up);
     Shading whole = light.kind == Light::Kind::RECTANGLE ? from_rectangle(r, middle, across, up)
                                                          : from_ellipse(r, middle, across, up);
     if (light.spread_cotangent > 0.0F) {
-        whole = through_grid(r, light, middle, whole);
+        whole = dimmed(r, plate_of(r, light, middle), whole, [&light](const vec3 & /*towards*/, Real cosine) {
+            return spread_fade(cosine, light.spread_cotangent);
+        });
     }
     return scaled(whole, pick(dot(middle, broadcast(light.direction)) < 0.0F, 1.0F, 0.0F));
 }

@@ -6,7 +6,7 @@
 //
 // D: Trowbridge and Reitz (1975, GGX); Beckmann (1963); Blinn (1977) with exponent 2/alpha^2 - 2. Masking: Smith's,
 // height-correlated (Heitz, "Understanding the Masking-Shadowing Function", 2014, eq 99) as in EEVEE and in the tables
-// of Heitz et al. (2016); Cycles 3.4 multiplies two G1 instead. Lambda of Beckmann, and with it that of Blinn, is the
+// of Heitz et al. (2016), or, as Cycles 3.4 has it, the product of two G1 (`apart`). Lambda of Beckmann, and with it that of Blinn, is the
 // rational fit of Walter et al. (2007). Fresnel: Schlick (1994), split so that one integral serves every colour.
 
 #define BRDF_GGX 0
@@ -33,6 +33,7 @@ struct Microfacets {
   vec3 stretch; // and back
   vec3 weight;  // squash * view
   float view_reach;
+  float apart; // 0, or 1 for masking and shadowing that know nothing of each other
   Poles poles; // of the lobe, where it is not GGX; on the sphere of p
 };
 
@@ -70,6 +71,7 @@ Microfacets microfacets(int brdf, vec3 view, float alpha_x, float alpha_y)
   m.stretch = vec3(one / m.squash.x, one / m.squash.y, one);
   m.weight = times(m.squash, m.view);
   m.view_reach = reach(brdf, m.rough, m.view);
+  m.apart = 0.0f;
   // B of two_poles is a square of a tangent of theta.
   m.poles = two_poles(exponent);
   float to_p = 0.5f * (exponent + 1.0f) / (wider * wider);
@@ -103,10 +105,11 @@ Reflection masking(Microfacets m, vec3 p)
   vec3 i = h * two - m.view;
   i.z = max(i.z, 0.0f);
   float miss = clamp(1.0f - along, 0.0f, 1.0f);
-  // 1 / G2 = 1 + Lambda(v) + Lambda(i), times n.v and n.i.
+  // 1 / G2 = 1 + Lambda(v) + Lambda(i), or (1 + Lambda(v)) (1 + Lambda(i)), times n.v and n.i.
   float shadowed = reach(m.brdf, m.rough, i);
+  float both = m.apart * (m.view_reach - m.view.z) * (shadowed - i.z);
   Reflection g;
-  g.plain = i.z / max(m.view_reach * i.z + m.view.z * (shadowed - i.z), TINY);
+  g.plain = i.z / max(m.view_reach * i.z + m.view.z * (shadowed - i.z) + both, TINY);
   g.schlick = g.plain * miss * miss * miss * miss * miss;
   return g;
 }

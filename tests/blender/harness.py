@@ -74,15 +74,13 @@ def plume_file() -> Path:
     data.filepath = str(files[0])
     if not data.grids.load():
         raise RuntimeError(f"{data.filepath}: {data.grids.error_message}")
-    # OpenVDB's samples are the lattice points themselves, Mantaflow's the centres of cells: half a cell apart.
-    half_cell = data.grids["density"].matrix_object.to_scale() * 0.5
     corner = domain.location + Vector(domain.bound_box[0])
     data.is_sequence = True
     data.frame_start, data.frame_duration = 1, len(files)
     data.materials.append(domain.active_material)
     bpy.data.objects.remove(domain)
     smoke = bpy.data.objects.new("Smoke Domain", data)
-    smoke.location = corner + half_cell
+    smoke.location = corner
     smoke.display_type = "BOUNDS"  # Blender's own drawing of volumes jitters from redraw to redraw
     scene.collection.objects.link(smoke)
 

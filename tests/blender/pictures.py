@@ -22,10 +22,10 @@ def read(path: Path) -> NDArray[np.float32]:
     return pixels.reshape(height, width, 4)
 
 
-def render(size: tuple[int, int] | None = None) -> NDArray[np.float32]:
-    """The scene through our engine: scene-linear pixels."""
+def render(size: tuple[int, int] | None = None, engine: str = "SFUMATO") -> NDArray[np.float32]:
+    """The scene through an engine: scene-linear pixels."""
     settings = bpy.context.scene.render
-    settings.engine = "SFUMATO"
+    settings.engine = engine
     settings.image_settings.file_format = "OPEN_EXR"
     settings.image_settings.color_mode = "RGBA"
     settings.image_settings.color_depth = "32"
