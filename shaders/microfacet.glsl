@@ -33,6 +33,7 @@ struct Microfacets {
   vec3 stretch; // and back
   vec3 weight;  // squash * view
   float view_reach;
+  float size2;  // of what it was made of, for if_finite
   Poles poles; // of the lobe, where it is not GGX; on the sphere of p
 };
 
@@ -70,6 +71,7 @@ Microfacets microfacets(int brdf, vec3 view, float alpha_x, float alpha_y)
   m.stretch = vec3(one / m.squash.x, one / m.squash.y, one);
   m.weight = times(m.squash, m.view);
   m.view_reach = reach(brdf, m.rough, m.view);
+  m.size2 = dot(view, view) + alpha_x * alpha_x + alpha_y * alpha_y;
   // B of two_poles is a square of a tangent of theta.
   m.poles = two_poles(exponent);
   float to_p = 0.5f * (exponent + 1.0f) / (wider * wider);
@@ -329,16 +331,16 @@ Mean with_arc(Mean mean, Microfacets m, RimArc arc)
   return with_node(with_node(mean, m, arc.a), m, arc.b);
 }
 
-// Either winding: the outline's sense is that of its flux.
-Reflection reflected(Mean mean, float flux)
+// Of a light whose numbers have the sum of squares `size2`. Either winding: the outline's sense is that of its flux.
+Reflection reflected(Microfacets m, float size2, Mean mean, float flux)
 {
   float k = pick(mean.weight < 0.0f, -1.0f, 1.0f) / max(abs(mean.weight), TINY);
   float amount = 0.318309886183790672f * abs(flux);
   float plain = min(max(mean.plain * k, 0.0f), mean.most);
   Reflection light;
   // Energy: a surface lit by radiance 1 from everywhere sends no more.
-  light.plain = min(amount * plain, 1.0f);
-  light.schlick = min(amount * min(max(mean.schlick * k, 0.0f), plain), light.plain);
+  light.plain = if_finite(m.size2 + size2, min(amount * plain, 1.0f));
+  light.schlick = min(if_finite(m.size2 + size2, amount * min(max(mean.schlick * k, 0.0f), plain)), light.plain);
   return light;
 }
 

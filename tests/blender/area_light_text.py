@@ -41,6 +41,27 @@ void main()
 """
 
 
+class Picture:
+    """What lights are drawn to."""
+
+    def __init__(self, width: int, height: int) -> None:
+        import gpu
+
+        self._size = width, height
+        self._texture = gpu.types.GPUTexture(self._size, format="RGBA32F")  # the framebuffer does not keep it
+        self.buffer = gpu.types.GPUFrameBuffer(color_slots=[self._texture])
+
+    def read(self) -> np.ndarray:
+        """(height, width, 4); waits for the GPU."""
+        import gpu
+
+        width, height = self._size
+        out = np.empty((height, width, 4), np.float32)
+        with self.buffer.bind():
+            self.buffer.read_color(0, 0, width, height, 4, 0, "FLOAT", data=gpu.types.Buffer("FLOAT", out.shape, out))
+        return out
+
+
 class Lights:
     """Evaluates lights: numbers (height, width, NUMBERS), by a statement that sets `light` from a, b, c, d, view, alpha,
     axis, with functions of its own before it and textures that they read."""
@@ -68,27 +89,11 @@ class Lights:
         layers = numbers.reshape(height, width, NUMBERS // 4, 4).transpose(2, 0, 1, 3)
         return viewport_gpu.texture((width, height), "RGBA", layers, layers=NUMBERS // 4)
 
-    def draw(self, numbers: Any, target: Any, repeats: int = 1) -> None:
-        with viewport_gpu.plain_state(), target.bind():
+    def draw(self, numbers: Any, picture: Picture, repeats: int = 1) -> None:
+        with viewport_gpu.plain_state(), picture.buffer.bind():
             self._shader.bind()
             self._shader.uniform_int("repeats", repeats)
             self._shader.uniform_sampler("numbers", numbers)
             for name, texture in self._textures.items():
                 self._shader.uniform_sampler(name, texture)
             self._shaders.draw_screen(self._shader)
-
-
-def target(width: int, height: int) -> Any:
-    import gpu
-
-    return gpu.types.GPUFrameBuffer(color_slots=[gpu.types.GPUTexture((width, height), format="RGBA32F")])
-
-
-def pixels(buffer: Any, width: int, height: int) -> np.ndarray:
-    """(height, width, 4); waits for the GPU."""
-    import gpu
-
-    out = np.empty((height, width, 4), np.float32)
-    with buffer.bind():
-        buffer.read_color(0, 0, width, height, 4, 0, "FLOAT", data=gpu.types.Buffer("FLOAT", out.shape, out))
-    return out
