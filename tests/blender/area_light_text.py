@@ -53,9 +53,15 @@ class Picture:
 
     def read(self) -> np.ndarray:
         """(height, width, 4); waits for the GPU."""
+        return self._read(*self._size)
+
+    def read_one(self) -> np.ndarray:
+        """One pixel of it: what waiting costs least with."""
+        return self._read(1, 1)
+
+    def _read(self, width: int, height: int) -> np.ndarray:
         import gpu
 
-        width, height = self._size
         out = np.empty((height, width, 4), np.float32)
         with self.buffer.bind():
             self.buffer.read_color(0, 0, width, height, 4, 0, "FLOAT", data=gpu.types.Buffer("FLOAT", out.shape, out))
