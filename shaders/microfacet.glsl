@@ -202,12 +202,12 @@ float node_flux(Microfacets m, Level level, ArcNode node)
 
 float lobe_flux(Microfacets m, HalfArc half_arc, Peaks peaks, Level level)
 {
-  float flux = level.flux, panel = LOBE_PANEL, start = 0.0f;
+  float flux = level.flux, panel = LOBE_PANEL, place = OPEN_NODE;
   for (int k = 0; k < LOBE_PANELS; ++k) {
-    ArcNode a = node_at(half_arc, peaks, start + OPEN_NODE * panel, 0.5f * panel);
-    ArcNode b = node_at(half_arc, peaks, start + (1.0f - OPEN_NODE) * panel, 0.5f * panel);
-    flux = flux + node_flux(m, level, a) + node_flux(m, level, b);
-    start = start + panel;
+    ArcNodes nodes = nodes_at(half_arc, peaks, place * panel, 0.5f * panel);
+    flux = flux + node_flux(m, level, nodes.a) + node_flux(m, level, nodes.b);
+    // From the end: the other node of this panel, then the first of the next.
+    place = pick(place < 0.5f, 1.0f - OPEN_NODE, 1.0f + OPEN_NODE);
   }
   return flux;
 }
@@ -215,8 +215,9 @@ float lobe_flux(Microfacets m, HalfArc half_arc, Peaks peaks, Level level)
 RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node, Level level)
 {
   RimArc arc;
-  arc.a = node_at(half_arc, peaks, first_node, 0.5f);
-  arc.b = node_at(half_arc, peaks, 1.0f - first_node, 0.5f);
+  ArcNodes nodes = nodes_at(half_arc, peaks, first_node, 0.5f);
+  arc.a = nodes.a;
+  arc.b = nodes.b;
   if (m.brdf == BRDF_GGX) {
     float g0 = 0.5f * dot(m.weight, cross(half_arc.p0, half_arc.p1));
     float g1 = dot(m.weight, cross(half_arc.p0, half_arc.p2));
@@ -310,14 +311,15 @@ Mean mean_about(Microfacets m, vec3 middle)
 
 Mean with_node(Mean mean, Microfacets m, ArcNode node)
 {
-  float near_part = 0.25f, far_part = 0.75f;
-  vec3 p = unit(mean.apex * near_part + node.point * far_part);
+  float near_part = 0.25f, far_part = 0.75f, cosine = dot(mean.apex, node.point);
+  vec3 p = mean.apex * near_part + node.point * far_part;
+  float inverse = inversesqrt(max(0.625f + 0.375f * cosine, 0.25f)); // of its length
   Reflection g = masking(m, p);
-  float solid_angle = dot(mean.apex, node.turn) / max(1.0f + dot(mean.apex, node.point), 1e-3f);
+  float solid_angle = dot(mean.apex, node.turn) / max(1.0f + cosine, 1e-3f);
   float at_apex = solid_angle * mean.apex_weight;
-  float at_node = 0.888888888888888889f * solid_angle * dot(m.weight, p);
+  float at_node = 0.888888888888888889f * inverse * solid_angle * dot(m.weight, p);
   if (m.brdf != BRDF_GGX) {
-    at_node = at_node * exp(min(log_lobe(m, p) - mean.apex_lobe, 20.0f));
+    at_node = at_node * exp(min(log_lobe(m, p * inverse) - mean.apex_lobe, 20.0f));
   }
   mean.weight = mean.weight + at_apex + at_node;
   mean.plain = mean.plain + at_apex * mean.at_apex.plain + at_node * g.plain;
