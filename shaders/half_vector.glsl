@@ -108,8 +108,10 @@ HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
   vec3 p = times(stretch, view + axis), slope = times(stretch, side * two);
   float px = slope.x * p.z - p.x * slope.z, py = slope.y * p.z - p.y * slope.z;
   float step = -(p.x * px + p.y * py) * p.z / max(px * px + py * py, TINY);
-  float low = half_tangent(dot(a, axis), dot(a, side)), high = half_tangent(dot(b, axis), dot(b, side));
-  step = clamp(step, min(low, 0.0f), max(high, 0.0f));
+  // Tangents of half the angles to both ends, neither of which is half a turn away, as quotients.
+  float low_y = dot(a, side), low_x = max(1.0f + dot(a, axis), 1e-6f);
+  float high_y = dot(b, side), high_x = max(1.0f + dot(b, axis), 1e-6f);
+  step = clamp(step, min(low_y / low_x, 0.0f), max(high_y / high_x, 0.0f));
   float k = 1.0f / (1.0f + step * step), c = (1.0f - step * step) * k, s = two * step * k;
   vec3 old_axis = axis;
   axis = axis * c + side * s;
@@ -119,8 +121,8 @@ HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
   arc.p1 = times(stretch, side * two);
   arc.p2 = times(stretch, view - axis);
   // The step lies between both ends: neither passes infinity.
-  arc.low = (low - step) / max(1.0f + low * step, TINY);
-  arc.high = max((high - step) / max(1.0f + high * step, TINY), arc.low);
+  arc.low = (low_y - step * low_x) / max(low_x + low_y * step, TINY);
+  arc.high = max((high_y - step * high_x) / max(high_x + high_y * step, TINY), arc.low);
   return arc;
 }
 
@@ -258,22 +260,19 @@ float cosine_of(float angle)
   return 1.0f - x * 0.5f * c;
 }
 
-// The node where a given share of both peaks' angles is behind. There the two integrands 1/|s - z|^2 are flat, and
-// (s - z1)(s - z2) has a known phase: s is the root of a quadratic.
-ArcNode node_at(HalfArc arc, Peaks peaks, float share, float weight)
+// The nodes at a given share of both peaks' angles, at most a half, from either end. There the two integrands 1/|s - z|^2
+// are flat, and (s - z1)(s - z2) has a known phase: s is the root of a quadratic.
+struct ArcNodes {
+  ArcNode a;
+  ArcNode b;
+};
+
+// The node whose phase is that of the arc's end s, turned.
+ArcNode node_after(HalfArc arc, Peaks peaks, float end, float cosine, float sine, float weight)
 {
   float m1 = peaks.m1, m2 = peaks.m2, w1 = peaks.w1, w2 = peaks.w2;
-  float total = peaks.angle1 + peaks.angle2;
-  // The phase at the nearer end, turned.
-  float from_high = pick(share > 0.5f, 1.0f, 0.0f);
-  float s = pick(share > 0.5f, arc.high, arc.low);
-  float turn = total * min(share, 1.0f - share);
-  float x = (s - m1) * (s - m2) - w1 * w2, y = -w1 * (s - m2) - w2 * (s - m1);
-  float k = inversesqrt(max(x * x + y * y, TINY));
-  float half_sine = sine_of(0.5f * turn);
-  float cosine = 1.0f - 2.0f * half_sine * half_sine, sine = 2.0f * half_sine * cosine_of(0.5f * turn);
-  sine = sine * (1.0f - 2.0f * from_high);
-  float ex = (x * cosine - y * sine) * k, ey = (y * cosine + x * sine) * k;
+  float x = (end - m1) * (end - m2) - w1 * w2, y = -w1 * (end - m2) - w2 * (end - m1);
+  float ex = x * cosine - y * sine, ey = y * cosine + x * sine;
   float qb = ey * (m1 + m2) - ex * (w1 + w2), qc = ex * (m1 * w2 + m2 * w1) - ey * (m1 * m2 - w1 * w2);
   float root = sqrt(max(qb * qb + 4.0f * ey * qc, 0.0f));
   float half_sum = -0.5f * (qb + pick(qb < 0.0f, -root, root));
@@ -283,15 +282,26 @@ ArcNode node_at(HalfArc arc, Peaks peaks, float share, float weight)
   float same = ex * re + ey * im;
   n = pick(same > 0.0f, n, qc);
   d = pick(same > 0.0f, d, half_sum);
-  s = clamp(n / pick(abs(d) > 1e-12f, d, 1e-12f), -FAR_END, FAR_END);
+  float s = clamp(n / pick(abs(d) > TINY, d, TINY), -FAR_END, FAR_END);
   float from1 = from_root(s, m1, w1), from2 = from_root(s, m2, w2);
   vec3 p = arc.p0 + (arc.p1 + arc.p2 * s) * s;
   float s2 = 2.0f * s;
   vec3 slope = arc.p1 + arc.p2 * s2;
-  float length2 = max(dot(p, p), TINY), evened = max(w1 * from2 + w2 * from1, TINY);
-  float amount = total * weight * (from1 / evened) * (from2 / length2), inverse = inversesqrt(length2);
+  // |p|^2 scale = from1 from2.
+  float amount = weight * peaks.scale / max(w1 * from2 + w2 * from1, TINY);
   ArcNode node;
-  node.point = p * inverse;
+  node.point = unit(p);
   node.turn = cross(p, slope) * amount;
   return node;
+}
+
+ArcNodes nodes_at(HalfArc arc, Peaks peaks, float share, float weight)
+{
+  float total = peaks.angle1 + peaks.angle2, turn = total * share;
+  float half_sine = sine_of(0.5f * turn);
+  float cosine = 1.0f - 2.0f * half_sine * half_sine, sine = 2.0f * half_sine * cosine_of(0.5f * turn);
+  ArcNodes nodes;
+  nodes.a = node_after(arc, peaks, arc.low, cosine, sine, total * weight);
+  nodes.b = node_after(arc, peaks, arc.high, cosine, -sine, total * weight);
+  return nodes;
 }

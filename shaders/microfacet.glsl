@@ -34,6 +34,7 @@ struct Microfacets {
   vec3 weight;  // squash * view
   float view_reach;
   float apart; // 0, or 1 for masking and shadowing that know nothing of each other
+  float size2;  // of what it was made of, for if_finite
   Poles poles; // of the lobe, where it is not GGX; on the sphere of p
 };
 
@@ -72,6 +73,7 @@ Microfacets microfacets(int brdf, vec3 view, float alpha_x, float alpha_y)
   m.weight = times(m.squash, m.view);
   m.view_reach = reach(brdf, m.rough, m.view);
   m.apart = 0.0f;
+  m.size2 = dot(view, view) + alpha_x * alpha_x + alpha_y * alpha_y;
   // B of two_poles is a square of a tangent of theta.
   m.poles = two_poles(exponent);
   float to_p = 0.5f * (exponent + 1.0f) / (wider * wider);
@@ -203,12 +205,12 @@ float node_flux(Microfacets m, Level level, ArcNode node)
 
 float lobe_flux(Microfacets m, HalfArc half_arc, Peaks peaks, Level level)
 {
-  float flux = level.flux, panel = LOBE_PANEL, start = 0.0f;
+  float flux = level.flux, panel = LOBE_PANEL, place = OPEN_NODE;
   for (int k = 0; k < LOBE_PANELS; ++k) {
-    ArcNode a = node_at(half_arc, peaks, start + OPEN_NODE * panel, 0.5f * panel);
-    ArcNode b = node_at(half_arc, peaks, start + (1.0f - OPEN_NODE) * panel, 0.5f * panel);
-    flux = flux + node_flux(m, level, a) + node_flux(m, level, b);
-    start = start + panel;
+    ArcNodes nodes = nodes_at(half_arc, peaks, place * panel, 0.5f * panel);
+    flux = flux + node_flux(m, level, nodes.a) + node_flux(m, level, nodes.b);
+    // From the end: the other node of this panel, then the first of the next.
+    place = pick(place < 0.5f, 1.0f - OPEN_NODE, 1.0f + OPEN_NODE);
   }
   return flux;
 }
@@ -216,8 +218,9 @@ float lobe_flux(Microfacets m, HalfArc half_arc, Peaks peaks, Level level)
 RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node, Level level)
 {
   RimArc arc;
-  arc.a = node_at(half_arc, peaks, first_node, 0.5f);
-  arc.b = node_at(half_arc, peaks, 1.0f - first_node, 0.5f);
+  ArcNodes nodes = nodes_at(half_arc, peaks, first_node, 0.5f);
+  arc.a = nodes.a;
+  arc.b = nodes.b;
   if (m.brdf == BRDF_GGX) {
     float g0 = 0.5f * dot(m.weight, cross(half_arc.p0, half_arc.p1));
     float g1 = dot(m.weight, cross(half_arc.p0, half_arc.p2));
@@ -311,14 +314,15 @@ Mean mean_about(Microfacets m, vec3 middle)
 
 Mean with_node(Mean mean, Microfacets m, ArcNode node)
 {
-  float near_part = 0.25f, far_part = 0.75f;
-  vec3 p = unit(mean.apex * near_part + node.point * far_part);
+  float near_part = 0.25f, far_part = 0.75f, cosine = dot(mean.apex, node.point);
+  vec3 p = mean.apex * near_part + node.point * far_part;
+  float inverse = inversesqrt(max(0.625f + 0.375f * cosine, 0.25f)); // of its length
   Reflection g = masking(m, p);
-  float solid_angle = dot(mean.apex, node.turn) / max(1.0f + dot(mean.apex, node.point), 1e-3f);
+  float solid_angle = dot(mean.apex, node.turn) / max(1.0f + cosine, 1e-3f);
   float at_apex = solid_angle * mean.apex_weight;
-  float at_node = 0.888888888888888889f * solid_angle * dot(m.weight, p);
+  float at_node = 0.888888888888888889f * inverse * solid_angle * dot(m.weight, p);
   if (m.brdf != BRDF_GGX) {
-    at_node = at_node * exp(min(log_lobe(m, p) - mean.apex_lobe, 20.0f));
+    at_node = at_node * exp(min(log_lobe(m, p * inverse) - mean.apex_lobe, 20.0f));
   }
   mean.weight = mean.weight + at_apex + at_node;
   mean.plain = mean.plain + at_apex * mean.at_apex.plain + at_node * g.plain;
@@ -332,16 +336,16 @@ Mean with_arc(Mean mean, Microfacets m, RimArc arc)
   return with_node(with_node(mean, m, arc.a), m, arc.b);
 }
 
-// Either winding: the outline's sense is that of its flux.
-Reflection reflected(Mean mean, float flux)
+// Of a light whose numbers have the sum of squares `size2`. Either winding: the outline's sense is that of its flux.
+Reflection reflected(Microfacets m, float size2, Mean mean, float flux)
 {
   float k = pick(mean.weight < 0.0f, -1.0f, 1.0f) / max(abs(mean.weight), TINY);
   float amount = 0.318309886183790672f * abs(flux);
   float plain = min(max(mean.plain * k, 0.0f), mean.most);
   Reflection light;
   // Energy: a surface lit by radiance 1 from everywhere sends no more.
-  light.plain = min(amount * plain, 1.0f);
-  light.schlick = min(amount * min(max(mean.schlick * k, 0.0f), plain), light.plain);
+  light.plain = if_finite(m.size2 + size2, min(amount * plain, 1.0f));
+  light.schlick = min(if_finite(m.size2 + size2, amount * min(max(mean.schlick * k, 0.0f), plain)), light.plain);
   return light;
 }
 

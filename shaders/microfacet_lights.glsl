@@ -61,7 +61,7 @@ Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
   for (int k = 0; k < 5; ++k) {
     mean = with_arc(mean, m, arcs[k]);
   }
-  return reflected(mean, flux);
+  return reflected(m, dot(a, a) + dot(b, b) + dot(c, c) + dot(d, d), mean, flux);
 }
 
 // The rim of a sphere is a small circle of directions. Its top divides what is above the horizon into two arcs alike.
@@ -89,9 +89,10 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
   arcs[1] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, cos_end, -sin_end, one, zero), CLOSED_NODE);
   arcs[2] = horizon_arc(m, leave * cut, enter * cut);
   float flux = (arcs[0].flux + arcs[1].flux + arcs[2].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
+  flux = flux * pick(radius > 0.0f, 1.0f, 0.0f);
   Mean mean = mean_about(m, facing(lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]) + lobe_turns(m, arcs[2]), flux));
   mean = with_arc(with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]), m, arcs[2]);
-  return reflected(mean, flux);
+  return reflected(m, dot(centre, centre) + radius * radius, mean, flux);
 }
 
 // The small circle through three directions, by the middle one and the chords to it and from it. At the tips of a disk
@@ -184,7 +185,9 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   for (int n = 0; n <= ELLIPSE_ARCS; ++n) {
     mean = with_arc(mean, m, arcs[n]);
   }
-  return reflected(mean, flux);
+  float u2 = dot(u, u), v2 = dot(v, v);
+  flux = flux * pick(min(u2, v2) > 0.0f, 1.0f, 0.0f);
+  return reflected(m, dot(centre, centre) + u2 + v2, mean, flux);
 }
 
 // ---- GGX by its parameters ----

@@ -115,6 +115,14 @@ Outline outline_of(vec3 centre, vec3 u, vec3 v)
   return outline;
 }
 
+// Black for ellipses without an extent, or of coordinates that are no numbers.
+float if_ellipse(vec3 centre, vec3 u, vec3 v, vec3 n, float value)
+{
+  float u2 = dot(u, u);
+  float v2 = dot(v, v);
+  return if_finite(dot(centre, centre) + u2 + v2 + dot(n, n), pick(min(u2, v2) > 0.0f, value, 0.0f));
+}
+
 // Irradiance / pi on a surface with the unit normal n from an ellipse of radiance 1 with perpendicular half axes u and
 // v. Exact, horizon-cut ones included: Lambert's cosine is the pole B = 1, and lambda is real.
 float diffuse_ellipse(vec3 n, vec3 centre, vec3 u, vec3 v)
@@ -126,7 +134,8 @@ float diffuse_ellipse(vec3 n, vec3 centre, vec3 u, vec3 v)
   OutlineCut cut = outline_cut(o.u, o.v, centre, n);
   Edge gap = outline_gap(cut, o.u, o.v, centre, n);
   float sum = ellipse_pole_along(factors, cut.arc, one) + safe_angle(gap.area, dot(gap.from, gap.to));
-  return pick(cut.visible > 0.5f, clamp(sum / (2.0f * PI_EXACT), 0.0f, 1.0f), 0.0f);
+  float seen = pick(cut.visible > 0.5f, clamp(sum / (2.0f * PI_EXACT), 0.0f, 1.0f), 0.0f);
+  return if_ellipse(centre, u, v, n, seen);
 }
 
 // L = N/(2 pi) int (u.r)^n du over an ellipse for n >= 9, cut to the half space of r and to that of n.
@@ -168,7 +177,8 @@ float ellipse_lobe(vec3 r, float exponent, vec3 n, vec3 centre, vec3 u, vec3 v)
   sum = sum + safe_angle(behind.area, dot(behind.from, behind.to)) +
         poles_along(arc_of(below, r, dot(below.from, r), dot(below.to, r)), poles);
   float seen = min(front.visible, over.visible);
-  return pick(seen > 0.5f, clamp(sum / (2.0f * PI_EXACT), 0.0f, 1.0f), 0.0f);
+  float share = pick(seen > 0.5f, clamp(sum / (2.0f * PI_EXACT), 0.0f, 1.0f), 0.0f);
+  return if_finite(dot(r, r) + exponent, if_ellipse(centre, u, v, n, share));
 }
 
 // A sphere is seen as the circle on its tangent cone. The origin lies outside it.

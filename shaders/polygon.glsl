@@ -34,6 +34,13 @@ Edge edge_between(vec3 a, vec3 b)
   return edge;
 }
 
+// What numbers of the sum of squares `size2` give; black if any of them was NaN or infinite. A GPU's min and max may turn
+// NaN into their other argument: at the end of a formula it would be white.
+float if_finite(float size2, float value)
+{
+  return pick(size2 < 1e37f, value, 0.0f);
+}
+
 // atan(y, x) in (-pi, pi], and 0 for the undefined angle of (0, 0).
 float safe_angle(float y, float x)
 {
@@ -137,7 +144,8 @@ float diffuse_quad(vec3 n, vec3 a, vec3 b, vec3 c, vec3 d)
   Gap gap = gap_after(gap_after(no_gap(), ab, ha, hb), bc, hb, hc);
   gap = gap_after(gap_after(gap, cd, hc, hd), da, hd, ha);
   float above = max(max(ha, hb), max(hc, hd));
-  return pick(above > 0.0f, min(abs(lambert_of(sum, gap, n)), 1.0f), 0.0f);
+  float size2 = dot(a, a) + dot(b, b) + dot(c, c) + dot(d, d) + dot(n, n);
+  return if_finite(size2, pick(above > 0.0f, min(abs(lambert_of(sum, gap, n)), 1.0f), 0.0f));
 }
 
 // Irradiance / pi from a sphere of radiance 1. Above the horizon it is cos(angle) sin^2(sigma), where sigma is the half
@@ -165,5 +173,6 @@ float diffuse_sphere(vec3 n, vec3 centre, float radius)
   float cut = (sin2 * cosine * atan(root, y) + tail) / PI_EXACT;
 
   float part = pick(cosine * abs(cosine) < -sin2, 0.0f, pick(cosine * abs(cosine) > sin2, whole, cut));
-  return pick(distance2 > radius * radius, clamp(part, 0.0f, 1.0f), 1.0f);
+  float size2 = distance2 + radius * radius + dot(n, n);
+  return if_finite(size2, pick(distance2 > radius * radius, clamp(part, 0.0f, 1.0f), 1.0f));
 }
