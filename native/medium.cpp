@@ -7,7 +7,9 @@
 
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_reduce.h>
 
 namespace sfumato {
 namespace {
@@ -26,26 +28,45 @@ struct Bounds {
     glm::ivec3 high{std::numeric_limits<int>::min()}; // exclusive
 };
 
-Bounds occupied_bounds(const Medium &medium, float threshold) {
+Bounds together(const Bounds &a, const Bounds &b) {
+    return {glm::min(a.low, b.low), glm::max(a.high, b.high)};
+}
+
+Bounds occupied_slice(const Medium &medium, float threshold, int z) {
     const glm::ivec3 n(medium.resolution);
     Bounds bounds;
-    const float *density = medium.density.data();
-    for (int z = 0; z < n.z; ++z) {
-        for (int y = 0; y < n.y; ++y, density += n.x) {
-            const auto occupied = [threshold](float value) { return value > threshold; };
-            const float *const first = std::find_if(density, density + n.x, occupied);
-            if (first == density + n.x) {
-                continue;
-            }
-            int last = n.x - 1;
-            while (!occupied(density[last])) {
-                --last;
-            }
-            bounds.low = glm::min(bounds.low, glm::ivec3(static_cast<int>(first - density), y, z));
-            bounds.high = glm::max(bounds.high, glm::ivec3(last + 1, y + 1, z + 1));
+    const float *density = medium.density.data() + row_of(n, 0, z);
+    for (int y = 0; y < n.y; ++y, density += n.x) {
+        // Most rows of a large domain are empty, and counting goes many cells at a time where a search goes one by one.
+        int count = 0;
+        for (int x = 0; x < n.x; ++x) {
+            count += density[x] > threshold ? 1 : 0;
         }
+        if (count == 0) {
+            continue;
+        }
+        int first = 0, last = n.x - 1;
+        while (!(density[first] > threshold)) {
+            ++first;
+        }
+        while (!(density[last] > threshold)) {
+            --last;
+        }
+        bounds = together(bounds, {{first, y, z}, {last + 1, y + 1, z + 1}});
     }
     return bounds;
+}
+
+Bounds occupied_bounds(const Medium &medium, float threshold) {
+    using Slices = oneapi::tbb::blocked_range<int>;
+    const auto of_slices = [&](const Slices &slices, Bounds bounds) {
+        for (int z = slices.begin(); z != slices.end(); ++z) {
+            bounds = together(bounds, occupied_slice(medium, threshold, z));
+        }
+        return bounds;
+    };
+    return oneapi::tbb::parallel_reduce(Slices(0, static_cast<int>(medium.resolution.z)), Bounds{}, of_slices,
+                                        &together);
 }
 
 // A brick may meet smoke if any sample that interpolation inside it can reach is above the threshold.

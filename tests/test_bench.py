@@ -98,7 +98,8 @@ def test_lights_have_a_column_for_the_noise_of_the_golden() -> None:
 def test_ratio_to_cycles_is_free_of_the_noise_of_the_golden() -> None:
     rivals = [light_row(f"cycles-{n}", 0.1 / n**0.5, 0.5 * n) for n in (4, 16, 64)]
     ours = [light_row("sfumato-draft", 0.02, 0.1), light_row("sfumato-final", 0.001, 0.5)]
-    # At draft's error Cycles takes 25 samples; final's is below what the golden can tell, a quarter of its noise: 1600 samples.
+    # At draft's error Cycles takes 25 samples. Final's is below what the golden can tell, a quarter of its noise, where
+    # Cycles takes 1600.
     (remark,) = light_remarks([*ours, *rivals])
     assert remark == "spot: Cycles needs as many times as long for Sfumato's error: draft 125, final at least 1.6e+03"
 
