@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render the judges of `bench.py lights` by Cycles: lights/CASE.exr, and what they are into lights/facts.json.
 
-Run with:  blender -b blend_samples/plume.blend --python-exit-code 3 --python tests/goldens/make_light_goldens.py [-- CASE ...]
+Run with, and with CASE ... after "--" for some of them:
+    blender -b blend_samples/plume.blend --python-exit-code 3 --python tests/goldens/make_light_goldens.py
 """
 
 from __future__ import annotations
