@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render the judges of `bench.py lights` by Cycles: lights/CASE.exr, and what they are into lights/facts.json.
 
-Run with:  blender -b blend_samples/plume.blend --python-exit-code 3 --python tests/goldens/make_light_goldens.py [-- CASE ...]
+Run with, and with CASE ... after "--" for some of them:
+    blender -b blend_samples/plume.blend --python-exit-code 3 --python tests/goldens/make_light_goldens.py
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ SAMPLES = 256
 # What takes Cycles longest gets half as many; facts.json says how much noise is left.
 FEW = {"square", "ellipse", "two"}
 SEEDS = (7, 8)
-# Measured with 48 samples and the noise removed, the picture is off that at a rate of 0.25 by (relative RMSE): with a sphere
-# 1.4 % at 1 and 0.44 % at 0.5, with a sun of 10 degrees 0.27 % and 0.06 %. The noise of the goldens is above that.
+# Measured with 48 samples and the noise removed, the picture is off that at a rate of 0.25 by (relative RMSE): with a
+# sphere 1.4 % at 1 and 0.44 % at 0.5, with a sun of 10 degrees 0.27 % and 0.06 %. The noise of the goldens is above that.
 STEP_RATE = 0.5
 
 
