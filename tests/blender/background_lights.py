@@ -68,8 +68,7 @@ def arrange(kind: str, spread: float, roughness: float | None, lens: float) -> b
     camera = bpy.data.cameras.new("Camera")
     camera.lens = lens
     scene.camera = add(camera, (0.0, -4.0, 2.0))
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.color = (0.0, 0.0, 0.0)
+    scene.world = None  # a new one is made of nodes from Blender 5.0 on, and lights the scene in grey
     scene.sfumato.quality = "FINAL"
     scene.render.resolution_percentage = 100
     return lamp(kind, spread)
