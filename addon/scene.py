@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from . import compat, core, lights, log, materials, props, smoke
 
-MOST_MEDIA, MOST_LIGHTS = 5, 16  # what the viewport's shader takes
+# What the viewport's shader takes (smoke_uniforms.glsl): each medium has three of the 16 textures that it may have.
+MOST_MEDIA, MOST_LIGHTS = 5, 16
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 

@@ -24,6 +24,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from . import core, log, props, scene
+from .scene import MOST_LIGHTS, MOST_MEDIA
 from .viewport_gpu import BRICK, Shaders, compile_shader, plain_state, shader_text, texture
 
 SHADING_TYPES = ("SOLID", "MATERIAL")  # where the overlay draws
@@ -34,8 +35,7 @@ SHADOW_STRENGTH = 0.8
 # The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
 OPAQUE_DEPTH = 12.0
 
-# smoke_uniforms.glsl; each medium takes three of the 16 textures that a shader may have.
-MOST_MEDIA, MOST_LIGHTS = 5, 16
+# smoke_textures.glsl
 MEDIUM_TEXTURES = ("density", "light", "clearance")
 
 PICTURES_KEPT = 8  # a quad view has four
@@ -144,7 +144,7 @@ class _Smoke:
 
     def _add(self, number: int, density: Any, light: np.ndarray, clearance: np.ndarray) -> None:
         _, depth, height, width, channels = light.shape
-        if self.lights == 0 or light.shape[0] == 0:
+        if not len(light):
             light = np.zeros((1, depth, height, width, channels), np.float32)
         size = (width, height, depth * light.shape[0])
         self.textures[f"density_{number}"] = density

@@ -87,14 +87,16 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     const Index triangle = Index::load_aligned(triangles);
     const Real u = Real::load_aligned(rays.hit.u), v = Real::load_aligned(rays.hit.v);
     const Index corners = triangle * Index(9);
-    const auto normal_axis = [&](int axis) {
-        return (1.0F - u - v) * gather(view.corner_normals + axis, corners) +
-               u * gather(view.corner_normals + 3 + axis, corners) +
-               v * gather(view.corner_normals + 6 + axis, corners);
+    const auto between_corners = [&](const float *values) {
+        const auto along = [&](int axis) {
+            return (1.0F - u - v) * gather(values + axis, corners) + u * gather(values + 3 + axis, corners) +
+                   v * gather(values + 6 + axis, corners);
+        };
+        return vec3(along(0), along(1), along(2));
     };
     // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by
     // its own angle to the ray would flip it at the rim of smooth objects.
-    surface.normal = normalised({normal_axis(0), normal_axis(1), normal_axis(2)});
+    surface.normal = normalised(between_corners(view.corner_normals));
     const vec3 face = normalised(
         {Real::load_aligned(rays.hit.Ng_x), Real::load_aligned(rays.hit.Ng_y), Real::load_aligned(rays.hit.Ng_z)});
     surface.geometric_normal = face * pick(dot(face, surface.normal) < 0.0F, -1.0F, 1.0F);
@@ -118,12 +120,7 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     if (surface.glossy) {
         surface.tangents = plane_across(surface.normal);
         if (view.corner_tangents != nullptr) {
-            const auto tangent_axis = [&](int axis) {
-                return (1.0F - u - v) * gather(view.corner_tangents + axis, corners) +
-                       u * gather(view.corner_tangents + 3 + axis, corners) +
-                       v * gather(view.corner_tangents + 6 + axis, corners);
-            };
-            const vec3 tangent{tangent_axis(0), tangent_axis(1), tangent_axis(2)};
+            const vec3 tangent = between_corners(view.corner_tangents);
             const vec3 along = tangent - surface.normal * dot(tangent, surface.normal);
             const Real length2 = dot(along, along);
             const Mask usable = length2 > 1e-12F;
@@ -234,12 +231,16 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         const Real diffuse = Real::load_aligned(packed.diffuse), plain = Real::load_aligned(packed.plain);
         const Real schlick = Real::load_aligned(packed.schlick);
         const Mask lit = surface.hit & ((diffuse > 0.0F) | (plain > 0.0F));
+        const bool any_lit = xsimd::any(lit);
+        if (picture && !any_lit) {
+            continue;
+        }
         const Towards towards =
             sample_towards(light, point, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
-        for (int c = 0; c < 3; ++c) {
+        for (int c = 0; c < 3 && !picture; ++c) {
             facing[c] = facing[c] + pick(surface.hit, towards.irradiance, 0.0F) * light.strength[c];
         }
-        if (!xsimd::any(lit)) {
+        if (!any_lit) {
             continue;
         }
         const Real visible = pick(lit, solid_visibility(frame, surface, start, towards), 0.0F);

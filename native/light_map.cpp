@@ -198,7 +198,8 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
     const glm::dvec3 middle(medium.grid_to_world * glm::dvec4(0.5 * glm::dvec3(medium.resolution), 1.0));
     const glm::dvec3 towards = middle - position;
     const double distance = glm::length(towards);
-    const glm::dmat3 to_light = glm::transpose(axes_of(distance > 1e-9 ? towards : glm::dvec3(0.0, 0.0, 1.0)));
+    const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
+    const glm::dmat3 to_light = glm::transpose(axes_of(look));
     LightMap map;
     map.radial = true;
     map.count = settings.coefficients;
@@ -206,16 +207,14 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
     map.world_to_light[3] = glm::dvec4(-(to_light * position), 1.0);
 
     const std::array<glm::dvec3, 8> corners = corners_of(medium, map.world_to_light);
-    const glm::dvec3 cell(glm::inverse(medium.grid_to_world) * glm::dvec4(position, 1.0));
-    const glm::dvec3 outside = glm::max(glm::max(-cell, cell - glm::dvec3(medium.resolution)), 0.0);
-    const bool inside = glm::length(outside) == 0.0;
     map.low = glm::dvec3(-1.0, -1.0, 0.0);
     map.high = glm::dvec3(1.0, 1.0, 0.0);
     for (const glm::dvec3 &p : corners) {
         map.high.z = std::max(map.high.z, glm::length(p));
     }
+    // So a light inside the smoke is not: some corner lies behind it.
     const bool before = std::all_of(corners.begin(), corners.end(), [](const glm::dvec3 &p) { return p.z > 0.0; });
-    if (!inside && before) {
+    if (before) {
         // Straight edges bend where they cross from one face of the octahedron to the next, so a few points on each are
         // looked at, and the margin is generous.
         glm::dvec2 low(1.0), high(-1.0);
@@ -244,7 +243,6 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
     }
     // A texel spans a cell, or the share asked for, at the middle of the smoke; near the light it spans less.
     const double reach = std::max(distance, 0.25 * map.high.z);
-    const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
     const double texel = texel_edge(medium, look) / (settings.texels_per_cell * reach);
     const glm::dvec2 extent(map.high - map.low);
     map.size = texels_for(extent, texel, map.view().stride(), settings.most_floats);
