@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Building a Fourier opacity map from a density grid, and looking it up, many texels or cells at a time.
+// Building a light map from a density grid, and looking it up, many texels or cells at a time.
 #include "lanes.hpp"
 #include "sampling.hpp"
 
@@ -7,7 +7,6 @@
 #include <cstddef>
 
 namespace sfumato::SFUMATO_ISA {
-
 namespace {
 
 // The light ray of a texel in grid space: the middle of the first slice, and from there one slice on.

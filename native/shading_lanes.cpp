@@ -6,8 +6,6 @@
 #include "lights_lanes.hpp"
 #include "shading.hpp"
 
-#include <cmath>
-
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
@@ -33,9 +31,8 @@ struct Receiver {
           view(local(-load(p.direction))), alpha_x(Real::load_aligned(p.alpha_x)),
           alpha_y(Real::load_aligned(p.alpha_y)), apart(Real::load_aligned(p.apart)), glossy(p.glossy) {}
 
-    // The lobe, no narrower than a given alpha.
-    [[nodiscard]] Microfacets facets(float narrowest = 0.0F) const {
-        Microfacets m = microfacets(BRDF_GGX, view, max(alpha_x, narrowest), max(alpha_y, narrowest));
+    [[nodiscard]] Microfacets facets() const {
+        Microfacets m = microfacets(BRDF_GGX, view, alpha_x, alpha_y);
         m.apart = apart;
         return m;
     }
@@ -198,8 +195,7 @@ Shading shading_of(const Receiver &r, const LightView &light) {
             return from_direction(r, towards);
         }
         // The cone of the sun as a sphere at distance 1; irradiance 1 from a cone is a radiance of 1 / (pi sin^2).
-        const float sine2 = light.radius * light.radius / (1.0F + light.radius * light.radius);
-        return scaled(from_sphere(r, towards, std::sqrt(sine2)), 0.318309886F / sine2);
+        return scaled(from_sphere(r, towards, light.radius), 0.318309886F / (light.radius * light.radius));
     }
     const vec3 middle = broadcast(light.position) - r.point;
     if (light.kind == Light::Kind::SPHERE) {
