@@ -16,7 +16,6 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -114,16 +113,6 @@ def measure() -> Iterator[None]:
         ratio = (best["closed form"] - empty) / (seconds - empty)
         print(f"  {name}: {each * (seconds - empty):.1f} ns, the closed form takes {ratio:.2f} times as long;"
               f" mean radiance {mean[name]:.4f}")  # fmt: skip
-    sys.stdout.flush()
-    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
-        bpy.ops.wm.quit_blender()
 
 
-steps = measure()
-
-
-def tick() -> float | None:
-    return 0.0 if next(steps, "end") != "end" else None
-
-
-bpy.app.timers.register(tick, first_interval=0.5, persistent=True)
+harness.drive(measure())

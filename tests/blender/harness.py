@@ -50,6 +50,18 @@ def main() -> None:
         bpy.app.timers.register(lambda: _step(steps), first_interval=0.5, persistent=True)
 
 
+def drive(steps: Iterator[None]) -> None:
+    """What a benchmark does: go on with it at every tick of Blender's timer, and quit when it ends."""
+
+    def tick() -> float | None:
+        if next(steps, "end") != "end":
+            return 0.0
+        _quit(failed=False)
+        return None
+
+    bpy.app.timers.register(tick, first_interval=0.5, persistent=True)
+
+
 def open_plume(frame: int = 25) -> bpy.types.Object:
     """Open the sample at a frame, and give back the object that is the smoke: its domain, or where Mantaflow aborts a
     Volume object that shows the same cache."""
@@ -128,6 +140,7 @@ def _run(tests: dict[str, Test]) -> Iterator[None]:
 
 def _quit(failed: bool) -> None:
     """Leave Blender; by its own way out unless that would lose the exit status."""
+    sys.stdout.flush()
     sys.stderr.flush()
     if failed:
         os._exit(1)

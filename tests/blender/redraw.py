@@ -108,14 +108,6 @@ def measure() -> Iterator[None]:
         print(f"  {name:20} {1e3 * clock:7.1f} ms, {1e3 * processors:7.1f} ms of processors; EEVEE takes "
               f"{slowest[0] / clock:.1f} and {slowest[1] / processors:.1f} times as long")  # fmt: skip
     print(*log.notices(), sep="\n", flush=True)
-    bpy.ops.wm.quit_blender()
 
 
-steps = measure()
-
-
-def tick() -> float | None:
-    return 0.0 if next(steps, "end") != "end" else None
-
-
-bpy.app.timers.register(tick, first_interval=0.5, persistent=True)
+harness.drive(measure())

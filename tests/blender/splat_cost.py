@@ -131,16 +131,6 @@ def measure() -> Iterator[None]:
     yield
     splats()
     marches()
-    sys.stdout.flush()
-    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
-        bpy.ops.wm.quit_blender()
 
 
-steps = measure()
-
-
-def tick() -> float | None:
-    return 0.0 if next(steps, "end") != "end" else None
-
-
-bpy.app.timers.register(tick, first_interval=0.5, persistent=True)
+harness.drive(measure())
