@@ -51,48 +51,62 @@ def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArra
     scene.add_area(matrix[:3, 3], across, up, radiance, ellipse, spread)
 
 
-MOST_RECTANGLES = 8
+MOST_POLYGONS = 16
 
 
 def add_emitters(
     scene: Any, corners: NDArray[np.float64], radiance: NDArray[np.float64], name: str, notices: list[str]
 ) -> int:
-    """Light from triangles (n, 3, 3) that emit (n, 3), on both sides: the rectangles among them. Returns how many lights.
+    """Light from triangles (n, 3, 3) that emit (n, 3), on both sides. Returns how many lights they make.
 
-    What is no rectangle is seen to glow, but lights nothing; a notice says so.
+    What has too many faces is seen to glow, but lights nothing; a notice says so.
     """
-    glowing = radiance.any(axis=1)
-    corners, radiance = corners[glowing], radiance[glowing]
-    if len(corners) == 0:
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    glowing = radiance.any(axis=1) & (area > 1e-12)
+    polygons = polygons_of(corners[glowing], radiance[glowing])
+    if len(polygons) > MOST_POLYGONS:
+        notices.append(
+            f"{name}: it emits, but lights nothing: it has {len(polygons)} faces that glow, and at most "
+            f"{MOST_POLYGONS} of three or four corners can"
+        )
         return 0
-    # Blender makes two triangles in a row of each face with four corners.
-    pairs = zip(corners[::2], corners[1::2], radiance[::2], radiance[1::2])
-    found = [(rectangle_of(a, b), c) for a, b, c, d in pairs if (c == d).all()]
-    rectangles = [(rectangle, c) for rectangle, c in found if rectangle is not None]
-    if 2 * len(rectangles) != len(corners) or len(rectangles) > MOST_RECTANGLES:
-        notices.append(f"{name}: it emits, but lights nothing: only up to {MOST_RECTANGLES} flat rectangles do")
-        return 0
-    for (middle, across, up), colour in rectangles:
-        for x, y in ((across, up), (up, across)):
-            # Off the surface, so that this does not shade the light that it gives to smoke.
-            normal = np.cross(y, x)
-            off = 1e-4 * normal / np.sqrt(np.linalg.norm(normal))
-            scene.add_area(middle + off, x, y, colour)
-    return 2 * len(rectangles)
+    for polygon, colour in polygons:
+        scene.add_polygon(polygon, colour)
+    return len(polygons)
 
 
-def rectangle_of(
-    a: NDArray[np.float64], b: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None:
-    """The middle and the half axes of the rectangle that two triangles (3, 3) make, or None."""
-    shared = [i for i in range(3) if (a[i] == b).all(axis=1).any()]
-    others = [i for i in range(3) if not (b[i] == a).all(axis=1).any()]
-    if len(shared) != 2 or len(others) != 1:
+def polygons_of(
+    corners: NDArray[np.float64], radiance: NDArray[np.float64]
+) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Triangles (n, 3, 3) and what they emit (n, 3), two in a row as one where they make a flat convex face of four.
+
+    Blender makes such two of each face with four corners, and a fan of triangles of one with more.
+    """
+    polygons: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+    mergeable = False  # whether the last polygon is a triangle
+    for triangle, colour in zip(corners, radiance):
+        quad = quad_of(polygons[-1][0], triangle) if mergeable and (polygons[-1][1] == colour).all() else None
+        if quad is None:
+            polygons.append((triangle, colour))
+        else:
+            polygons[-1] = quad, colour
+        mergeable = quad is None
+    return polygons
+
+
+def quad_of(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """The flat convex quadrilateral (4, 3) that two triangles (3, 3) make, in turn, or None."""
+    own = [i for i in range(3) if not (b == a[i]).all(axis=1).any()]
+    others = [i for i in range(3) if not (a == b[i]).all(axis=1).any()]
+    if len(own) != 1 or len(others) != 1:
         return None
-    apex = a[3 - sum(shared)]
-    across, up = 0.5 * (a[shared[0]] - apex), 0.5 * (a[shared[1]] - apex)
-    size = float(np.linalg.norm(across) * np.linalg.norm(up))
-    opposite = b[others[0]] - (apex + 2.0 * (across + up))
-    if size < 1e-12 or abs(across @ up) > 1e-3 * size or np.linalg.norm(opposite) > 1e-3 * np.sqrt(size):
-        return None
-    return apex + across + up, across, up
+    first = own[0]
+    quad = np.stack([a[first], a[(first + 1) % 3], b[others[0]], a[(first + 2) % 3]])
+    edges = np.roll(quad, -1, axis=0) - quad
+    turns = np.cross(edges, np.roll(edges, -1, axis=0))
+    normal = turns.sum(axis=0)
+    normal /= max(float(np.linalg.norm(normal)), 1e-30)
+    lengths = np.linalg.norm(edges, axis=1)
+    flat = np.abs((quad - quad[0]) @ normal).max() < 1e-4 * lengths.max()
+    convex = (turns @ normal > 1e-6 * lengths * np.roll(lengths, -1)).all()
+    return quad if flat and convex else None

@@ -94,7 +94,8 @@ struct LightView {
     bool spot_cosine = false;
     float facing2 = 0.0F; // radius^2 where a sphere looks like a disk, else 0
     float spread_cotangent = 0.0F;
-    float area = 0.0F;                  // of rectangles and ellipses
+    float area = 0.0F;                  // of rectangles, ellipses and polygons
+    glm::vec3 corners[4];               // of polygons
     float size2 = 0.0F;                 // of falloff()
     std::span<const glm::vec3> samples; // points; of a sun, directions towards it
     const LightMapView *maps = nullptr; // for each sample and medium; the medium runs fastest

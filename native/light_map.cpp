@@ -36,9 +36,9 @@ TexelRay texel_ray(const LightMap &map, const glm::dmat4 &light_to_world, int x,
 }
 
 // The map depth of the first place at which a solid could stand between light and smoke.
-double nearest_solid(const LightMap &map, const SurfaceView &surfaces) {
+double nearest_solid(const LightMap &map, const SurfaceView &surfaces, double nearest_distance) {
     if (map.radial) {
-        return -map.low.z / (map.high.z - map.low.z); // the light itself
+        return (nearest_distance - map.low.z) / (map.high.z - map.low.z);
     }
     RTCBounds bounds;
     rtcGetSceneBounds(surfaces.scene, &bounds);
@@ -54,12 +54,12 @@ double nearest_solid(const LightMap &map, const SurfaceView &surfaces) {
 }
 
 // Where along each texel's light ray, in the map's depth, the first solid stands.
-void find_solids(LightMap &map, const SurfaceView &surfaces) {
+void find_solids(LightMap &map, const SurfaceView &surfaces, double nearest_distance = 0.0) {
     map.solid_depth.assign(map.texels(), std::numeric_limits<float>::max());
     if (surfaces.scene == nullptr) {
         return;
     }
-    const double nearest = nearest_solid(map, surfaces);
+    const double nearest = nearest_solid(map, surfaces, nearest_distance);
     const glm::dmat4 light_to_world = glm::inverse(map.world_to_light);
     oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
         for (int x = 0; x < map.size.x; ++x) {
@@ -252,7 +252,7 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
     map.high = glm::dvec3(glm::min(glm::dvec2(map.high) + rim, 1.0), map.high.z);
     const double length = map.high.z - map.low.z;
     project(map, medium, length, length / medium.cell_size, with);
-    find_solids(map, surfaces);
+    find_solids(map, surfaces, settings.nearest_solid);
     return map;
 }
 

@@ -34,6 +34,7 @@ struct LightMap {
 struct LightMapSettings {
     int coefficients = 15;
     double texels_per_cell = 1.0; // against the shortest edge of the medium's cells
+    double nearest_solid = 0.0;   // metres around a light that has a place: solids nearer than that do not count
     double most_floats = 1 << 26; // of one map: a quarter of a gibibyte; it has larger texels where it would need more
 };
 

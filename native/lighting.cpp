@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lighting.hpp"
 
+#include "glsl.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -37,6 +39,9 @@ bool meets(const LightView &light, const glm::dvec3 &sample, const Ball &ball) {
     }
     const glm::dvec3 across = ball.middle - sample;
     const double distance = glm::length(across), along = glm::dot(across, glm::dvec3(light.direction));
+    if (light.kind == Light::Kind::POLYGON) {
+        return true;
+    }
     if (light.kind != Light::Kind::SPHERE) {
         return along > -ball.radius;
     }
@@ -113,6 +118,18 @@ LightView view_of(const Light &light, double cell) {
         size = double{view.radius};
         break;
     }
+    case Light::Kind::POLYGON: {
+        const glm::dvec3 a(light.corners[0]), b(light.corners[1]), c(light.corners[2]), d(light.corners[3]);
+        const glm::dvec3 first = 0.5 * glm::cross(b - a, c - a), second = 0.5 * glm::cross(c - a, d - a);
+        const double of_first = glm::length(first), area = of_first + glm::length(second);
+        std::copy(light.corners.begin(), light.corners.end(), view.corners);
+        view.position = glm::vec3((a + c + glm::mix(d, b, of_first / area)) / 3.0);
+        view.direction = glm::vec3(glm::normalize(first + second));
+        view.area = static_cast<float>(area);
+        view.radius = static_cast<float>(std::sqrt(area / std::numbers::pi));
+        size = double{view.radius};
+        break;
+    }
     }
     view.size2 = static_cast<float>(std::max(size * size, least * least));
     return view;
@@ -154,6 +171,12 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Cro
         case Light::Kind::ELLIPSE:
             samples.emplace_back(position + across * disk.x + up * disk.y);
             break;
+        case Light::Kind::POLYGON: {
+            const glm::vec2 unit(0.5 * square + 0.5);
+            const glm::vec3 *const c = light.corners;
+            samples.push_back(glsl::point_on_quad(c[0], c[1], c[2], c[3], unit.x, unit.y));
+            break;
+        }
         }
     }
     return samples;
@@ -201,6 +224,10 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &me
         if (samples.size() > 1) {
             // Each map is blurred by its neighbours: half the detail does.
             map.texels_per_cell *= 0.5;
+        }
+        if (view.kind == Light::Kind::POLYGON) {
+            // The mesh that it is a part of does not shade the air just before it.
+            map.nearest_solid = 1e-4 * double{view.radius};
         }
         maps_.emplace_back(samples.size() * media_);
         std::size_t at = 0;

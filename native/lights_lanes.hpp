@@ -40,6 +40,12 @@ inline Real spot_share(const LightView &light, const vec3 &from_light) {
 // rim of a sun that fills half the sky would bring that surface next to nothing for infinitely much.
 constexpr float LOWEST_SUN = 0.02F;
 
+// What a part of an area light sends in a direction whose cosine to the light's is given, of its radiance by its area.
+inline Real sent_along(const LightView &light, Real cosine) {
+    return light.kind == Light::Kind::POLYGON ? abs(cosine)
+                                              : max(cosine, 0.0F) * spread_fade(cosine, light.spread_cotangent);
+}
+
 // What one of the light's samples brings to a point, as a share of falloff_of().
 inline Real sample_share(const LightView &light, const glm::vec3 &sample, const vec3 &world) {
     const float count = static_cast<float>(light.samples.size());
@@ -53,7 +59,7 @@ inline Real sample_share(const LightView &light, const glm::vec3 &sample, const 
     const float patch = light.area / count;
     const Real distance2 = dot(from_sample, from_sample);
     const Real cosine = dot(from_sample, broadcast(light.direction)) / sqrt(max(distance2, 1e-20F));
-    const Real sent = max(cosine, 0.0F) * spread_fade(cosine, light.spread_cotangent);
+    const Real sent = sent_along(light, cosine);
     // A patch of the light as large as a sample stands for is nowhere nearer than its own radius.
     return sent * patch / ((distance2 + patch * 0.318F) * falloff_of(light, from_middle));
 }
@@ -78,8 +84,24 @@ struct Towards {
     Real irradiance; // for a strength of one
 };
 
+constexpr float ALMOST = 0.9999F; // of the way to a light: short of the light itself, should it have a mesh
+
+inline Towards towards_place(const LightView &light, const vec3 &point, const vec3 &place) {
+    const vec3 to_light = place - point;
+    const Real distance2 = max(dot(to_light, to_light), 1e-20F);
+    const Real distance = sqrt(distance2);
+    const vec3 direction = to_light * (1.0F / distance);
+    const Real cosine = -dot(direction, broadcast(light.direction));
+    return {direction, distance * ALMOST, sent_along(light, cosine) * light.area / distance2};
+}
+
 inline Towards sample_towards(const LightView &light, const vec3 &point, Real u, Real v) {
-    constexpr float PI = 3.14159265F, ALMOST = 0.9999F; // short of the light itself, should it have a mesh
+    if (light.kind == Light::Kind::POLYGON) {
+        const glm::vec3 *const c = light.corners;
+        return towards_place(light, point,
+                             point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v));
+    }
+    constexpr float PI = 3.14159265F;
     // Shirley and Chiu, "A low distortion map between disk and square", 1997: the middle stays the middle.
     const Real a = 2.0F * u - 1.0F, b = 2.0F * v - 1.0F;
     const Mask wide = abs(a) > abs(b);
@@ -116,13 +138,7 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
     const bool ellipse = light.kind == Light::Kind::ELLIPSE;
     const vec3 there = broadcast(light.position) + broadcast(light.across) * (ellipse ? x : a) +
                        broadcast(light.up) * (ellipse ? y : b);
-    const vec3 to_light = there - point;
-    const Real distance2 = max(dot(to_light, to_light), 1e-20F);
-    const Real distance = sqrt(distance2);
-    const vec3 direction = to_light * (1.0F / distance);
-    const Real cosine = -dot(direction, broadcast(light.direction));
-    return {direction, distance * ALMOST,
-            max(cosine, 0.0F) * spread_fade(cosine, light.spread_cotangent) * light.area / distance2};
+    return towards_place(light, point, there);
 }
 
 } // namespace

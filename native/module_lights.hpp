@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace sfumato::arguments {
 
@@ -67,6 +69,29 @@ Numbers<Number> directions(const py::object &given, const std::string &name) {
     return out;
 }
 
+// Refuses a polygon that no closed form can take, which `name` holds at the place `where`.
+inline void require_sound(std::span<const glm::dvec3> polygon, const std::string &name, const std::string &where) {
+    const char *why = nullptr;
+    switch (fault_of(polygon)) {
+    case PolygonFault::SOUND:
+        return;
+    case PolygonFault::NO_AREA:
+        why = "has no area";
+        break;
+    case PolygonFault::NOT_PLANAR:
+        why = "is not planar";
+        break;
+    default:
+        why = "is not convex, or crosses itself";
+        break;
+    }
+    std::string all;
+    for (const glm::dvec3 &v : polygon) {
+        all += (all.empty() ? "(" : ", (") + text(v.x) + ", " + text(v.y) + ", " + text(v.z) + ")";
+    }
+    throw py::value_error(name + " holds [" + all + "]" + where + ", which " + why);
+}
+
 // Polygons (..., vertices, 3) and how many of each one's vertices count.
 template <typename Number>
 struct Polygons {
@@ -93,7 +118,7 @@ struct Polygons {
             }
         }
         for (std::size_t i = 0; i < counts.size(); ++i) {
-            require_sound(i);
+            require_sound(corners(i), "polygons", " at flat index " + text(i));
         }
     }
     [[nodiscard]] std::vector<glm::dvec3> corners(std::size_t polygon) const {
@@ -109,35 +134,6 @@ struct Polygons {
     Shape batch;
     std::size_t width;
     std::vector<std::int32_t> counts;
-
-private:
-    void require_sound(std::size_t polygon) const {
-        const auto n = static_cast<std::size_t>(counts[polygon]);
-        std::array<glm::dvec3, 64> v;
-        const Number *p = vertices.data() + 3 * width * polygon;
-        for (std::size_t i = 0; i < n; ++i, p += 3) {
-            v[i] = glm::dvec3(p[0], p[1], p[2]);
-        }
-        const char *why = nullptr;
-        switch (fault_of({v.data(), n})) {
-        case PolygonFault::SOUND:
-            return;
-        case PolygonFault::NO_AREA:
-            why = "has no area";
-            break;
-        case PolygonFault::NOT_PLANAR:
-            why = "is not planar";
-            break;
-        default:
-            why = "is not convex, or crosses itself";
-            break;
-        }
-        std::string all;
-        for (std::size_t i = 0; i < n; ++i) {
-            all += (i > 0 ? ", (" : "(") + text(v[i].x) + ", " + text(v[i].y) + ", " + text(v[i].z) + ")";
-        }
-        throw py::value_error("polygons holds [" + all + "] at flat index " + text(polygon) + ", which " + why);
-    }
 };
 
 } // namespace sfumato::arguments

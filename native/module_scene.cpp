@@ -2,7 +2,7 @@
 // Scenes and cameras: what Python hands over, checked.
 #include "camera.hpp"
 #include "kernels.hpp"
-#include "module_arguments.hpp"
+#include "module_lights.hpp"
 #include "module_parts.hpp"
 
 #include <glm/geometric.hpp>
@@ -172,6 +172,26 @@ void add_area(Scene &scene, const Floats &position, const Floats &across, const 
     scene.lights.push_back(light);
 }
 
+void add_polygon(Scene &scene, const Floats &corners, const Floats &radiance) {
+    require_shape(corners, {-1, 3}, "corners");
+    require_range(corners, -1e15F, 1e15F, "corners");
+    const auto count = static_cast<std::size_t>(corners.shape(0));
+    if (count != 3 && count != 4) {
+        throw py::value_error("corners has shape " + shape_of(corners) + ", but a polygon has 3 corners or 4");
+    }
+    Light light;
+    light.kind = Light::Kind::POLYGON;
+    light.strength = strength_of(radiance, "radiance");
+    std::array<glm::dvec3, 4> polygon;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const float *const corner = corners.data() + 3 * std::min(i, count - 1);
+        light.corners[i] = {corner[0], corner[1], corner[2]};
+        polygon[i] = light.corners[i];
+    }
+    require_sound({polygon.data(), count}, "corners", "");
+    scene.lights.push_back(light);
+}
+
 py::array_t<float> corners(const Camera &camera) {
     std::vector<float> values;
     for (const auto &plane : {camera.near, camera.far}) {
@@ -202,7 +222,7 @@ length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 7
 from straight on (3), 1 where all light is reflected at grazing angles (Schlick 1994) and 0 where it is no more than
 straight on, GGX's alpha along the tangent and across it, both 0 for no gloss, and 1 where masking and shadowing are
 independent (Smith's two G1) and 0 where they go by height (Heitz 2014, eq 99); corner_tangents (m, 3, 3). emission
-(k, 3), the radiance in W/(m^2 sr) that the surface sends to the eye by itself; it lights nothing.
+(k, 3), the radiance in W/(m^2 sr) that the surface sends to the eye by itself; what it lights, add_polygon does.
 Raises ValueError for wrong shapes, indices out of range and values that are not finite.
 
 >>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])
@@ -243,6 +263,13 @@ angle spread, radians, in which it fades as 1 - tan(angle) / tan(spread / 2).
 Raises ValueError for a light without area, and for axes that are not at right angles.
 
 >>> Scene().add_area((0, 0, 3), (0.5, 0, 0), (0, 0.5, 0), (4, 4, 4))
+)")
+        .def("add_polygon", &add_polygon, py::arg("corners"), py::arg("radiance"),
+             R"(Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners
+(3, 3) or (4, 3), in turn; radiance (3,) in W/(m^2 sr). It is not seen itself: that is add_mesh's emission.
+Raises ValueError for corners that are not flat and convex, or hold no area.
+
+>>> Scene().add_polygon([[0, 0, 3], [1, 0, 3], [0, 1, 3]], (4, 4, 4))
 )")
         .def(
             "set_background",

@@ -2,7 +2,9 @@
 #include "reference.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include <glm/geometric.hpp>
@@ -151,6 +153,38 @@ std::vector<LightSample> area_samples(const Light &light, const glm::dvec3 &posi
     return samples;
 }
 
+// A triangle from the unit square, area to area: sides of a parallelogram, of which one half is folded onto the other.
+glm::dvec3 in_triangle(const glm::dvec3 &a, const glm::dvec3 &b, const glm::dvec3 &c, glm::dvec2 unit) {
+    if (unit.x + unit.y > 1.0) {
+        unit = 1.0 - unit;
+    }
+    return a + unit.x * (b - a) + unit.y * (c - a);
+}
+
+// Two triangles, each in as many parts, on both sides.
+std::vector<LightSample> polygon_samples(const Light &light, const glm::dvec3 &position, unsigned per_axis) {
+    const std::array<glm::dvec3, 4> p{light.corners[0], light.corners[1], light.corners[2], light.corners[3]};
+    std::vector<LightSample> samples;
+    for (std::size_t corner = 1; corner < 3; ++corner) {
+        const glm::dvec3 across = glm::cross(p[corner] - p[0], p[corner + 1] - p[0]);
+        const double part = 0.5 * glm::length(across) / double(per_axis * per_axis);
+        if (part == 0.0) {
+            continue;
+        }
+        for (const glm::dvec2 &square : strata(per_axis)) {
+            const glm::dvec3 offset = in_triangle(p[0], p[corner], p[corner + 1], 0.5 * square + 0.5) - position;
+            const double distance = glm::length(offset);
+            if (distance == 0.0) {
+                continue;
+            }
+            const double cosine = std::abs(glm::dot(glm::normalize(across), offset / distance));
+            const glm::dvec3 irradiance = cosine * part / (distance * distance) * glm::dvec3(light.strength);
+            samples.push_back({offset / distance, distance, irradiance});
+        }
+    }
+    return samples;
+}
+
 } // namespace
 
 std::vector<LightSample> light_samples(const Light &light, const glm::dvec3 &position, unsigned per_axis) {
@@ -162,6 +196,8 @@ std::vector<LightSample> light_samples(const Light &light, const glm::dvec3 &pos
     case Light::Kind::RECTANGLE:
     case Light::Kind::ELLIPSE:
         return area_samples(light, position, per_axis);
+    case Light::Kind::POLYGON:
+        return polygon_samples(light, position, per_axis);
     }
     return {};
 }

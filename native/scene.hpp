@@ -32,7 +32,7 @@ struct Mesh {
     std::vector<glm::vec3> albedo;
     std::vector<Gloss> gloss;                              // one for each albedo; or none
     std::vector<std::array<glm::vec3, 3>> corner_tangents; // as corner_normals; or none
-    std::vector<glm::vec3> emission; // radiance on both sides, one for each albedo; or none. It lights nothing
+    std::vector<glm::vec3> emission; // radiance on both sides, one for each albedo; or none. A POLYGON is its light
 };
 
 // Smoke: a grid of densities, cell-centred, interpolated trilinearly and zero outside.
@@ -53,12 +53,13 @@ struct Light {
         SUN,    // far away; strength: irradiance on a surface that faces it, W/m^2
         SPHERE, // a point with a radius, and a spot when its cone is narrower than everything; radiant intensity, W/sr
         RECTANGLE, // one-sided, shines along `direction`; radiance, W/(m^2 sr), where it is brightest
-        ELLIPSE    // the same, inscribed in the rectangle
+        ELLIPSE,   // the same, inscribed in the rectangle
+        POLYGON    // a part of a mesh that glows: shines from both its sides; radiance
     };
     Kind kind = Kind::SUN;
     glm::vec3 strength{1.0F};
     glm::vec3 direction{0.0F, 0.0F, -1.0F}; // the way the light travels, unit length; of a sphere, its cone's axis
-    glm::vec3 position{0.0F};               // of the centre; not a sun's
+    glm::vec3 position{0.0F};               // of the centre; neither a sun's nor a polygon's
     glm::vec3 across{0.5F, 0.0F, 0.0F};     // half axes of rectangles and ellipses, at right angles to each other and
     glm::vec3 up{0.0F, 0.5F, 0.0F};         // to the direction
     float angle = 0.0F;                     // of a sun: angular diameter, radians
@@ -69,7 +70,8 @@ struct Light {
     // that faces the eye, and a spot dims by the cosine to its axis, too.
     bool facing_disk = false;
     bool spot_cosine = false;
-    float spread = 3.1415927F; // of rectangles and ellipses: the whole angle that they shine into, radians
+    float spread = 3.1415927F;          // of rectangles and ellipses: the whole angle that they shine into, radians
+    std::array<glm::vec3, 4> corners{}; // of a polygon: flat, convex, in turn; of a triangle the last one twice
 };
 
 struct Scene {

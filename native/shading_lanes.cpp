@@ -77,13 +77,16 @@ Shading from_sphere(const Receiver &r, const vec3 &middle, Real radius) {
     return out;
 }
 
-Shading from_rectangle(const Receiver &r, const vec3 &middle, const vec3 &across, const vec3 &up) {
-    const vec3 a = middle - across - up, b = middle + across - up, c = middle + across + up, d = middle - across + up;
+Shading from_quad(const Receiver &r, const vec3 &a, const vec3 &b, const vec3 &c, const vec3 &d) {
     Shading out{diffuse_quad(r.normal, a, b, c, d), {0.0F, 0.0F}};
     if (r.glossy) {
         out.gloss = gloss_of_quad(r, a, b, c, d);
     }
     return out;
+}
+
+Shading from_rectangle(const Receiver &r, const vec3 &middle, const vec3 &across, const vec3 &up) {
+    return from_quad(r, middle - across - up, middle + across - up, middle + across + up, middle - across + up);
 }
 
 Shading from_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across, const vec3 &up) {
@@ -196,6 +199,10 @@ Shading shading_of(const Receiver &r, const LightView &light) {
         }
         // The cone of the sun as a sphere at distance 1; irradiance 1 from a cone is a radiance of 1 / (pi sin^2).
         return scaled(from_sphere(r, towards, light.radius), 0.318309886F / (light.radius * light.radius));
+    }
+    if (light.kind == Light::Kind::POLYGON) {
+        const auto corner = [&](int i) { return broadcast(light.corners[i]) - r.point; };
+        return from_quad(r, corner(0), corner(1), corner(2), corner(3));
     }
     const vec3 middle = broadcast(light.position) - r.point;
     if (light.kind == Light::Kind::SPHERE) {

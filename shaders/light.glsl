@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lights: how they fade, and how a map looks around from one.
+// Lights: how they fade, where on them a sample lies, and how a map looks around from one.
 
 // All directions on the square [-1, 1]^2: Engelhardt and Dachsbacher, "Octahedron environment maps", 2008. The
 // direction (0, 0, 1) lies in the middle, its opposite in the four corners.
@@ -54,4 +54,28 @@ float spread_fade(float cosine, float cotangent)
   float safe = max(cosine, 1e-4f);
   float tangent = sqrt(max(1.0f - safe * safe, 0.0f)) / safe;
   return pick(cosine > 0.0f, max(1.0f - tangent * cotangent, 0.0f), 0.0f);
+}
+
+// Where on [0, 1] the share u of a density that goes straight from a to b is reached. Neither is negative, one is positive.
+float linear_quantile(float u, float a, float b)
+{
+  return u * (a + b) / max(a + sqrt(max(a * a + u * (b * b - a * a), 0.0f)), 1e-30f);
+}
+
+float parallelogram_area(vec3 x, vec3 y)
+{
+  vec3 normal = cross(x, y);
+  return sqrt(dot(normal, normal));
+}
+
+// A point on a flat convex quadrilateral, a triangle where two corners coincide, from one on the unit square: equal areas
+// have equal areas, neighbours stay neighbours. The bilinear map stretches areas by a linear function of both coordinates.
+vec3 point_on_quad(vec3 a, vec3 b, vec3 c, vec3 d, float u, float v)
+{
+  float at_a = parallelogram_area(b - a, d - a), at_b = parallelogram_area(b - a, c - b);
+  float at_c = parallelogram_area(d - c, c - b), at_d = parallelogram_area(d - c, d - a);
+  float x = linear_quantile(u, at_a + at_d, at_b + at_c);
+  float y = linear_quantile(v, at_a + (at_b - at_a) * x, at_d + (at_c - at_d) * x);
+  vec3 low = a + (b - a) * x, high = d + (c - d) * x;
+  return low + (high - low) * y;
 }
