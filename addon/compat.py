@@ -64,6 +64,11 @@ def reflectance(principled: Any) -> float:
     return 0.08 * float(principled.inputs["Specular"].default_value)
 
 
+def emission_socket(principled: Any) -> str:
+    """The name of the socket of the colour in which a Principled BSDF glows."""
+    return "Emission Color" if "Emission Color" in principled.inputs else "Emission"  # 4.0
+
+
 def uses_nodes(owner: Any) -> bool:
     """Whether a material or world is made of nodes: always so since 5.0."""
     return bpy.app.version >= (5, 0, 0) or bool(owner.use_nodes)

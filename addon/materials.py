@@ -77,9 +77,11 @@ def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
         if name in shader.inputs and value_of(shader, name, owner, []) > 0.0:
             notices.append(f"{owner}: '{name}' is not shown yet")
     reflectance = (1.0 - metallic) * plain + metallic * colour
-    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0)
+    glow = value_of(shader, compat.emission_socket(shader), owner, notices)
+    emission = np.maximum(glow * value_of(shader, "Emission Strength", owner, notices), 0.0)
+    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0, emission=emission)
     if reflectance.max() <= 0.0:
-        return Surface(surface.albedo)
+        return Surface(surface.albedo, emission=emission)
     anisotropy = value_of(shader, "Anisotropic", owner, [])
     if anisotropy > 0.0 and value_of(shader, "Anisotropic Rotation", owner, []) > 0.0:
         notices.append(f"{owner}: 'Anisotropic Rotation' is not followed yet")

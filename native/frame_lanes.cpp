@@ -218,13 +218,14 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         }
     }
     const vec3 point = ray.origin + ray.direction * surface.distance;
-    // Start the shadow ray off the surface by a few rounding errors of the coordinates.
+    // Off the surface by a few rounding errors of the coordinates, for shadow rays, and for light from the surface
+    // itself if that glows: whether it is seen from before or from behind must not hang on the last digit.
     const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
     const vec3 start = point + surface.geometric_normal * offset;
     const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
     const Real reflectances[3] = {surface.reflectance.x, surface.reflectance.y, surface.reflectance.z};
     ShadingPacket packed;
-    pack(surface, point, ray.direction, packed);
+    pack(surface, start, ray.direction, packed);
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
     for (const LightView &light : frame.lights) {
         shade(light, packed);
@@ -236,7 +237,7 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
             continue;
         }
         const Towards towards =
-            sample_towards(light, point, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
+            sample_towards(light, start, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
         for (int c = 0; c < 3 && !picture; ++c) {
             facing[c] = facing[c] + pick(surface.hit, towards.irradiance, 0.0F) * light.strength[c];
         }

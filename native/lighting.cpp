@@ -227,7 +227,7 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &me
         }
         if (view.kind == Light::Kind::POLYGON) {
             // The mesh that it is a part of does not shade the air just before it.
-            map.nearest_solid = 1e-4 * double{view.radius};
+            map.nearest_solid = 1e-3 * double{view.radius};
         }
         maps_.emplace_back(samples.size() * media_);
         std::size_t at = 0;

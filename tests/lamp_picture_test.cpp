@@ -75,7 +75,9 @@ std::vector<Case> cases() {
             {"spot of 0.15 m", large_spot, 4, {0.068, 0.017, 0.008}, 0.0163},
             {"rectangle", panel, 4, {0.0115, 0.019, 0.0115}, 0.0067},
             {"rectangle with a spread", narrow, 6, {0.17, 0.031, 0.0165}, 0.0054},
-            {"ellipse", ellipse, 4, {0.0112, 0.0105, 0.0105}, 0.0046}};
+            {"ellipse", ellipse, 4, {0.0112, 0.0105, 0.0105}, 0.0046},
+            {"quadrilateral", polygon_in(panel, KITE), 4, {0.0115, 0.0115, 0.0115}, 0.0067},
+            {"triangle", polygon_in(panel, TRIANGLE), 4, {0.0115, 0.019, 0.0115}, 0.0067}};
 }
 
 TEST(Lamp, PictureOfSmokeIsThatOfTheReference) {

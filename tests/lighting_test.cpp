@@ -18,11 +18,15 @@ namespace sfumato {
 namespace {
 
 using reference::testing::area_light;
+using reference::testing::KITE;
 using reference::testing::oblique_grid;
 using reference::testing::parallelogram;
 using reference::testing::point_light;
+using reference::testing::polygon_in;
 using reference::testing::smooth_medium;
 using reference::testing::sun_light;
+using reference::testing::TRIANGLE;
+using reference::testing::WHOLE;
 
 // Smoke, and the light that arrives in it.
 struct Lit {
@@ -86,7 +90,7 @@ double error(const Scene &scene, int samples, unsigned per_axis) {
                             sample.irradiance * reference::visibility(scene, at, sample.towards, sample.distance);
                     }
                 }
-                const glm::dvec3 across = at - glm::dvec3(light.position);
+                const glm::dvec3 across = at - glm::dvec3(view.position);
                 const bool sun = light.kind == Light::Kind::SUN;
                 const float falloff = sun ? 1.0F : glsl::falloff(float(glm::dot(across, across)), view.size2);
                 for (int c = 0; c < 3; ++c) {
@@ -149,6 +153,7 @@ TEST(LightVolume, IsThatOfTheReferenceForEveryKindOfLight) {
         return light;
     };
     constexpr float EVERYWHERE = 3.1415927F;
+    const Light rectangle = panel(Light::Kind::RECTANGLE, EVERYWHERE);
     const Case cases[] = {
         {"sun", sun_light(sunwards, white), {0.001, 0.001, 0.001}},
         {"sun of 10 degrees", sun_light(sunwards, white, glm::radians(10.0F)), {0.0034, 0.0017, 0.001}},
@@ -167,6 +172,8 @@ TEST(LightVolume, IsThatOfTheReferenceForEveryKindOfLight) {
         {"rectangle", panel(Light::Kind::RECTANGLE, EVERYWHERE), {0.01, 0.015, 0.004}},
         {"rectangle with a spread", panel(Light::Kind::RECTANGLE, 1.0F), {0.19, 0.042, 0.0095}},
         {"ellipse", panel(Light::Kind::ELLIPSE, EVERYWHERE), {0.009, 0.004, 0.004}},
+        {"quadrilateral", polygon_in(rectangle, KITE), {0.01, 0.015, 0.004}},
+        {"triangle", polygon_in(rectangle, TRIANGLE), {0.01, 0.015, 0.004}},
         {"ellipse with a spread", panel(Light::Kind::ELLIPSE, 1.0F), {0.145, 0.04, 0.0105}},
     };
     for (const Case &each : cases) {
@@ -352,6 +359,30 @@ TEST(LightVolume, HasItsOwnSolids) {
     }
 }
 
+// The mesh that a light is a part of does not shade its light, on either side, and other meshes do.
+TEST(Lighting, OfAPolygonInItsOwnMeshIsThatWithoutTheMesh) {
+    Scene scene = two_bodies();
+    const glm::vec3 first = in_world(scene.media[0], glm::vec3(0.5F)),
+                    second = in_world(scene.media[1], glm::vec3(0.5F));
+    const Light panel = area_light(Light::Kind::RECTANGLE, 0.5F * (first + second), {0.3F, 0.1F, 0.2F},
+                                   {-0.1F, 0.3F, 0}, glm::vec3(1.0F));
+    scene.lights = {polygon_in(panel, WHOLE)};
+    const Lit open(scene, 16);
+    const std::array<glm::vec3, 4> &corners = scene.lights[0].corners;
+    scene.meshes = {parallelogram(corners[0], corners[1] - corners[0], corners[3] - corners[0], glm::vec3(0.0F))};
+    const Lit own(scene, 16);
+    for (std::size_t m = 0; m < 2; ++m) {
+        const std::vector<float> &a = open.media[m].light, &b = own.media[m].light;
+        double most = 0.0, apart = 0.0;
+        for (std::size_t i = 1; i < a.size(); i += 2) {
+            most = std::max(most, double{a[i]});
+            apart = std::max(apart, double{std::abs(a[i] - b[i])});
+        }
+        EXPECT_GT(most, 0.1) << m;
+        EXPECT_LT(apart, 3e-3 * most) << m; // in the plane of the mesh, half of a texel sees the other side
+    }
+}
+
 // ---- What is left out ----
 
 TEST(Lighting, SkipsMapsWhereALightCannotMeetTheSmoke) {
@@ -417,6 +448,20 @@ TEST(Lighting, SpreadsSamplesEvenlyOverALight) {
             EXPECT_LT(glm::length(mean), 1e-5) << most;
             EXPECT_NEAR(variance, expected, (most < 16 ? 0.7 : 0.06) * expected) << most;
         }
+    }
+    const auto middle = [&](const Light &light, int most) {
+        glm::vec3 sum(0.0F);
+        for (const glm::vec3 &sample : light_samples(view_of(light, 0.1), lit.media, most)) {
+            sum += sample / static_cast<float>(most);
+        }
+        return sum;
+    };
+    for (const auto &corners : {WHOLE, KITE, TRIANGLE}) {
+        const Light light = polygon_in(lights[1], corners);
+        const glm::vec3 centroid = view_of(light, 0.1).position;
+        EXPECT_LT(glm::distance(middle(light, 16), centroid), 0.1F);
+        EXPECT_LT(glm::distance(middle(light, 256), centroid), 0.02F);
+        EXPECT_GT(glm::distance(centroid, position), corners == WHOLE ? -1.0F : 0.1F);
     }
 }
 

@@ -14,8 +14,7 @@
 namespace sfumato {
 namespace {
 
-using reference::testing::area_light;
-using reference::testing::point_light;
+using namespace reference::testing;
 
 float distance(const glsl::Octahedral &a, const glsl::Octahedral &b) {
     return std::hypot(a.x - b.x, a.y - b.y);
@@ -119,6 +118,49 @@ TEST(SpotFade, IsThatOfTheReference) {
             }
         }
     }
+}
+
+// As many points in each part as its area asks for, counted by which side of lines through the polygon they lie on.
+TEST(PointOnQuad, SharesTheAreaEvenly) {
+    const Light panel = area_light(Light::Kind::RECTANGLE, {1, 2, 3}, {2, 0, 0}, {0, 1, 0.5F}, glm::vec3(1.0F));
+    const std::array<glm::vec2, 4> sliver = {{{-1, 0}, {1, -1e-3F}, {1, 0}, {1, 0}}};
+    for (const auto &corners : {WHOLE, KITE, TRIANGLE, sliver}) {
+        const auto &c = polygon_in(panel, corners).corners;
+        constexpr int SIDE = 400;
+        const std::vector<reference::LightSample> exact =
+            reference::light_samples(polygon_in(panel, corners), {0, 0, 0}, SIDE);
+        for (const glm::vec2 &line : {glm::vec2(1, 0), glm::vec2(0, 1), glm::vec2(0.6F, -0.8F)}) {
+            for (const float offset : {-0.7F, -0.2F, 0.0F, 0.3F}) {
+                const auto inside = [&](const glm::vec3 &p) {
+                    const glm::vec3 from = p - panel.position;
+                    const float x = glm::dot(from, panel.across) / 4.0F, y = glm::dot(from, panel.up) / 1.25F;
+                    return line.x * x + line.y * y < offset;
+                };
+                double share = 0.0, expected = 0.0, all = 0.0;
+                for (int i = 0; i < SIDE * SIDE; ++i) {
+                    const float u = (float(i % SIDE) + 0.5F) / SIDE, v = (float(i / SIDE) + 0.5F) / SIDE;
+                    share += inside(glsl::point_on_quad(c[0], c[1], c[2], c[3], u, v)) ? 1.0 / (SIDE * SIDE) : 0.0;
+                }
+                for (const reference::LightSample &sample : exact) {
+                    const glm::dvec3 at = sample.towards * sample.distance;
+                    const glm::dvec3 normal =
+                        glm::normalize(glm::cross(glm::dvec3(panel.across), glm::dvec3(panel.up)));
+                    const double part = sample.irradiance.x * sample.distance * sample.distance /
+                                        std::abs(glm::dot(normal, sample.towards));
+                    all += part;
+                    expected += inside(glm::vec3(at)) ? part : 0.0;
+                }
+                EXPECT_NEAR(share, expected / all, 4e-3) << corners[2].x << ", " << line.x << ", " << offset;
+            }
+        }
+        EXPECT_LT(glm::distance(glsl::point_on_quad(c[0], c[1], c[2], c[3], 0, 0), c[0]), 1e-6F);
+        EXPECT_LT(glm::distance(glsl::point_on_quad(c[0], c[1], c[2], c[3], 1, 0), c[1]), 1e-6F);
+        EXPECT_LT(glm::distance(glsl::point_on_quad(c[0], c[1], c[2], c[3], 0.3F, 1), c[3] + 0.3F * (c[2] - c[3])),
+                  0.3F);
+    }
+    EXPECT_EQ(glsl::linear_quantile(0.25F, 1.0F, 1.0F), 0.25F);
+    EXPECT_EQ(glsl::linear_quantile(0.25F, 0.0F, 1.0F), 0.5F);
+    EXPECT_EQ(glsl::linear_quantile(0.0F, 0.0F, 1.0F), 0.0F);
 }
 
 TEST(SpreadFade, LeavesAllWithoutAGridAndNothingBeyondIt) {

@@ -84,6 +84,21 @@ inline Light area_light(Light::Kind kind, const glm::vec3 &position, const glm::
     return light;
 }
 
+// A part of a mesh that glows: a polygon in the rectangle of another light, its corners in half axes.
+inline Light polygon_in(const Light &rectangle, const std::array<glm::vec2, 4> &corners) {
+    Light light;
+    light.kind = Light::Kind::POLYGON;
+    light.strength = rectangle.strength;
+    for (std::size_t i = 0; i < 4; ++i) {
+        light.corners[i] = rectangle.position + corners[i].x * rectangle.across + corners[i].y * rectangle.up;
+    }
+    return light;
+}
+
+constexpr std::array<glm::vec2, 4> WHOLE = {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+constexpr std::array<glm::vec2, 4> KITE = {{{-1.0F, 0.1F}, {0.3F, -1.0F}, {1.0F, 0.6F}, {-0.2F, 1.0F}}};
+constexpr std::array<glm::vec2, 4> TRIANGLE = {{{-1, -1}, {1, -0.5F}, {0.2F, 1}, {0.2F, 1}}};
+
 // Turned, stretched and moved, with no axis left in its place.
 inline glm::mat4 oblique_grid() {
     glm::mat4 matrix = glm::translate(glm::mat4(1.0F), glm::vec3(0.3F, -1.2F, 0.7F));

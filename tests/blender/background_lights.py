@@ -6,6 +6,7 @@ not taken off: diffuse 0.6 % (0.5), roughness 0.1 2.5 % (1.0), 0.3 0.6 % (0.5), 
 """
 
 import math
+from collections.abc import Callable
 
 import bpy
 import harness
@@ -13,6 +14,7 @@ import numpy as np
 import pictures
 from mathutils import Vector
 from numpy.typing import NDArray
+from sfumato import log
 
 SIZE = (64, 36)
 SHAPES = {"SQUARE": (1.0, 1.0), "RECTANGLE": (1.6, 0.6), "DISK": (1.0, 1.0), "ELLIPSE": (1.6, 0.6)}
@@ -124,30 +126,88 @@ def test_scaled_lamp() -> None:
         assert difference(300) <= most, roughness
 
 
-def test_emitting_rectangle() -> None:
-    """It lights a floor as it does in Cycles, and is seen as bright as it is.
-
-    Where its own plane cuts the floor in view, as with rotation (0.7, 0.3, 0.2), we are 4.6 % off and 3 % brighter.
-    Why is not known; area lamps in that place, of both directions, agree with Cycles to 0.2 %.
-    """
+def emitter(add: Callable[[], None], principled: bool = False, strength: float = 30.0) -> bpy.types.Object:
+    """A mesh that glows where the lamps were; `add` makes it."""
     arrange("POINT", 180.0, None, 50.0).data.energy = 0.0
-    bpy.ops.mesh.primitive_plane_add(size=1.0, location=(0.2, 2.0, 2.0), rotation=(-0.7, 0.0, 0.0))
-    plane = bpy.context.object
-    plane.scale = (1.4, 0.8, 1.0)
+    add()
+    thing = bpy.context.object
     material = bpy.data.materials.new("Glow")
     material.use_nodes = True
     tree = material.node_tree
-    tree.nodes.clear()
-    shader, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
-    shader.inputs["Color"].default_value, shader.inputs["Strength"].default_value = (0.5, 0.5, 0.5, 1.0), 30.0
-    tree.links.new(shader.outputs["Emission"], output.inputs["Surface"])
-    plane.data.materials.append(material)
-    found = difference(300)
-    assert found <= 0.01, found
-    camera = bpy.context.scene.camera
-    camera.rotation_euler = (plane.location - camera.location).to_track_quat("-Z", "Y").to_euler()
-    middle = pictures.render(SIZE)[SIZE[1] // 2, SIZE[0] // 2, :3]
-    assert np.allclose(middle, 15.0, rtol=1e-4), middle
+    if principled:
+        shader = tree.nodes["Principled BSDF"]
+        colour = shader.inputs["Emission Color" if "Emission Color" in shader.inputs else "Emission"]
+        shader.inputs["Emission Strength"].default_value = strength
+    else:
+        tree.nodes.clear()
+        shader, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
+        tree.links.new(shader.outputs["Emission"], output.inputs["Surface"])
+        colour = shader.inputs["Color"]
+        shader.inputs["Strength"].default_value = strength
+    colour.default_value = (0.5, 0.5, 0.5, 1.0)
+    thing.data.materials.append(material)
+    return thing
+
+
+PLACE = {"location": (0.2, 2.0, 2.0), "rotation": (-0.7, 0.0, 0.0)}
+
+
+def rectangle() -> None:
+    bpy.ops.mesh.primitive_plane_add(size=1.0, **PLACE)
+    bpy.context.object.scale = (1.4, 0.8, 1.0)
+
+
+def trapezium() -> None:
+    rectangle()
+    mesh = bpy.context.object.data
+    mesh.vertices[0].co.x, mesh.vertices[1].co.x = -0.1, 0.3
+
+
+def triangle() -> None:
+    bpy.ops.mesh.primitive_circle_add(vertices=3, radius=0.8, fill_type="NGON", **PLACE)
+
+
+def heptagon() -> None:
+    bpy.ops.mesh.primitive_circle_add(vertices=7, radius=0.7, fill_type="NGON", **PLACE)
+
+
+def cube() -> None:
+    bpy.ops.mesh.primitive_cube_add(size=0.7, location=(0.2, 1.0, 1.5), rotation=(0.5, 0.3, 0.7))
+
+
+def test_emitting_meshes_light_the_floor_as_in_cycles() -> None:
+    """Where the emitter's own plane cuts the floor in view, as with rotation (0.7, 0.3, 0.2), the Cycles of 3.4 is not the
+    judge: sampling such lights it loses 3 % of their light; by unidirectional paths alone it agrees with us to 0.01 %.
+    """
+    if bpy.app.version >= (4, 0, 0):
+        raise harness.Skip("measured against the Cycles of Blender 3.4 only")
+    found = {}
+    for shape in (rectangle, trapezium, triangle, heptagon, cube):
+        emitter(shape)
+        found[shape.__name__] = difference(300)
+    emitter(heptagon, principled=True)
+    found["principled"] = difference(300)
+    print({name: f"{100.0 * error:.2f} %" for name, error in found.items()})
+    assert max(found.values()) <= 0.01, found
+
+
+def test_an_emitter_is_seen_as_bright_as_it_is() -> None:
+    """From both sides, and what it sends itself is no light on it."""
+    for principled in (False, True):
+        for turned in (0.0, math.pi):
+            thing = emitter(heptagon, principled)
+            thing.rotation_euler.x += turned
+            camera = bpy.context.scene.camera
+            camera.rotation_euler = (thing.location - camera.location).to_track_quat("-Z", "Y").to_euler()
+            camera.data.lens = 300.0
+            picture = pictures.render(SIZE)[..., :3]
+            assert np.allclose(picture, 15.0, rtol=1e-4), (principled, turned, picture.min(), picture.max())
+
+
+def test_an_emitter_with_too_many_faces_glows_and_says_so() -> None:
+    thing = emitter(lambda: bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6, location=(0.2, 2.0, 2.0)))
+    assert pictures.render(SIZE)[..., :3].max() == 0.0
+    assert any(thing.name in notice and "48" in notice for notice in log.notices()), log.notices()
 
 
 harness.main()

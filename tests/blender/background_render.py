@@ -41,7 +41,8 @@ def test_smoke_shows_and_throws_its_shadow() -> None:
 def test_frames_differ_and_repeat() -> None:
     harness.open_plume(25)
     first, again = pictures.render(SMALL), pictures.render(SMALL)
-    assert np.array_equal(first, again)
+    # Not bit for bit: Blender sums up the normals of smooth meshes in parallel, in an order that changes.
+    assert np.abs(first - again).max() < 1e-6
     if not harness.MANTAFLOW_ABORTS:
         bpy.context.scene.frame_set(20)
         assert np.abs(pictures.render(SMALL) - first).max() > 0.05
