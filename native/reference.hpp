@@ -65,8 +65,8 @@ struct LightSample {
 
 // per_axis squared parts of a light, or one when it has no extent. Each stands for an equal part of a sun's disk, of
 // the solid angle of a sphere (seen from inside: of all directions), and of the area of a rectangle, an ellipse or a
-// triangle; a polygon is two of those. These are midpoints: one is the centre, and close to a large light it takes many. A part at `position` itself is left
-// out.
+// triangle; a polygon is two of those. These are midpoints: one is the centre, and close to a large light it takes
+// many. A part at `position` itself is left out.
 std::vector<LightSample> light_samples(const Light &light, const glm::dvec3 &position, unsigned per_axis);
 
 // ---- Surfaces (reference_surface.cpp) ----
