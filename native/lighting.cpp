@@ -211,9 +211,15 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &me
         cell = std::min(cell, medium.cell_size);
     }
     std::size_t maps = 0;
+    const auto polygons = std::max(1, static_cast<int>(std::count_if(lights.begin(), lights.end(), [](const Light &l) {
+                                       return l.kind == Light::Kind::POLYGON;
+                                   })));
     for (const Light &light : lights) {
         const LightView &view = views_.emplace_back(view_of(light, cell));
-        samples_.push_back(light_samples(view, media, settings.most_samples));
+        // The faces of a mesh that glows are parts of one light: what each of them throws is blurred by the others.
+        const int share = std::max(settings.most_samples / polygons, std::min(settings.most_samples, 4));
+        const int most = light.kind == Light::Kind::POLYGON ? share : settings.most_samples;
+        samples_.push_back(light_samples(view, media, most));
         maps += samples_.back().size() * media_;
     }
     constexpr double MOST_FLOATS = 1 << 28; // of all maps: a gibibyte
