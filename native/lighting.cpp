@@ -60,18 +60,6 @@ glm::dvec2 on_square(int i, int count) {
     return 2.0 * glm::dvec2(from_middle / count, turn - std::floor(turn) - 0.5);
 }
 
-// The same on the unit disk: Shirley and Chiu, "A low distortion map between disk and square", 1997.
-glm::dvec2 on_disk(const glm::dvec2 &square) {
-    constexpr double QUARTER = 0.25 * std::numbers::pi;
-    const bool wide = std::abs(square.x) > std::abs(square.y);
-    const double radius = wide ? square.x : square.y;
-    if (radius == 0.0) {
-        return glm::dvec2(0.0);
-    }
-    const double angle = wide ? QUARTER * square.y / square.x : 2.0 * QUARTER - QUARTER * square.x / square.y;
-    return radius * glm::dvec2(std::cos(angle), std::sin(angle));
-}
-
 // The unit vector on the side of `axis`, another, whose part across it is given.
 glm::dvec3 on_dome(const glm::dvec3 &axis, const glm::dvec3 &across) {
     return across + axis * std::sqrt(std::max(1.0 - glm::dot(across, across), 0.0));
@@ -151,7 +139,9 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Cro
     std::vector<glm::vec3> samples;
     const glm::dvec3 position(light.position), towards(-glm::dvec3(light.direction));
     for (int i = 0; i < count; ++i) {
-        const glm::dvec2 square = on_square(i, count), disk = on_disk(square);
+        const glm::dvec2 square = on_square(i, count);
+        const glsl::DiskPoint on_disk = glsl::point_on_disk(static_cast<float>(square.x), static_cast<float>(square.y));
+        const glm::dvec2 disk(on_disk.x, on_disk.y);
         const glm::dvec3 across(light.across), up(light.up);
         switch (light.kind) {
         case Light::Kind::SUN:

@@ -101,14 +101,9 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
         return towards_place(light, point,
                              point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v));
     }
-    constexpr float PI = 3.14159265F;
-    // Shirley and Chiu, "A low distortion map between disk and square", 1997: the middle stays the middle.
     const Real a = 2.0F * u - 1.0F, b = 2.0F * v - 1.0F;
-    const Mask wide = abs(a) > abs(b);
-    const Real radius = pick(wide, a, b);
-    const Real ratio = pick(wide, b, a) / pick(abs(radius) < 1e-12F, 1e-12F, radius);
-    const Real angle = pick(wide, 0.25F * PI * ratio, 0.5F * PI - 0.25F * PI * ratio);
-    const Real x = radius * cos(angle), y = radius * sin(angle);
+    const DiskPoint disk = point_on_disk(a, b);
+    const Real x = disk.x, y = disk.y;
     if (light.kind == Light::Kind::SUN) {
         const vec3 aside = broadcast(light.across) * x + broadcast(light.up) * y;
         const Real height = sqrt(max(1.0F - dot(aside, aside), LOWEST_SUN * LOWEST_SUN));

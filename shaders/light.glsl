@@ -79,3 +79,21 @@ vec3 point_on_quad(vec3 a, vec3 b, vec3 c, vec3 d, float u, float v)
   vec3 low = a + (b - a) * x, high = d + (c - d) * x;
   return low + (high - low) * y;
 }
+
+// A point on the unit disk from one on the square [-1, 1]^2, equal areas from equal areas and the middle from the middle:
+// Shirley and Chiu, "A low distortion map between disk and square", 1997.
+struct DiskPoint {
+  float x;
+  float y;
+};
+
+DiskPoint point_on_disk(float a, float b)
+{
+  float radius = pick(abs(a) > abs(b), a, b);
+  float eighths = pick(abs(a) > abs(b), b, a) / pick(abs(radius) < 1e-12f, 1e-12f, radius);
+  float angle = 0.785398163397448310f * pick(abs(a) > abs(b), eighths, 2.0f - eighths);
+  DiskPoint point;
+  point.x = radius * cos(angle);
+  point.y = radius * sin(angle);
+  return point;
+}
