@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/cycles.png, lights.png and cost.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
+"""docs/cycles.png, lights.png, cost.png, arealights.png and lightmaps.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
 
 from __future__ import annotations
 
@@ -104,10 +104,54 @@ def cost_chart() -> None:
     save(figure, "cost", 90)
 
 
+def rivals(axes: Any, rows: list[dict[str, Any]], ours: set[str], scale: float) -> None:
+    """A point for each method, by its time and its error, with its name."""
+    for row in rows:
+        own = row["method"] in ours
+        colour, marker = (SFUMATO, "D") if own else (CYCLES, "o")
+        axes.loglog([scale * row["seconds"]], [row["error"]], marker, color=colour, markersize=7 if own else 5)
+        name = row["method"]
+        axes.annotate(name, (scale * row["seconds"], row["error"]), (5, 4), textcoords="offset points", fontsize=7)
+    axes.margins(0.22, 0.16)
+    axes.grid(True, alpha=0.25)
+
+
+AREA_LIGHT_CASES = ("cosine-100", "cosine-500", "cosine-5000", "ggx", "ggx-grazing", "ggx-anisotropic")
+
+
+def area_lights_chart() -> None:
+    rows = rows_of("arealights")
+    figure, panels = plt.subplots(2, 3, figsize=(10.0, 5.6))
+    for case, axes in zip(AREA_LIGHT_CASES, panels.flat):
+        rivals(axes, [row for row in rows if row["case"] == case], {"poles-2", "closed-form"}, 1e9)
+        axes.set_title(case, fontsize=10)
+    for axes, unit in zip(panels[:, 1], ("ns an edge, eight or more lanes; Monte Carlo in NumPy", "ns a rectangle")):
+        axes.set_xlabel(unit, fontsize=9)
+    figure.supylabel("RMSE over the range", fontsize=9)
+    save(figure, "arealights", 90)
+
+
+RAY_CASES = ("plume", "fire", "collision", "wisp")
+
+
+def light_maps_chart() -> None:
+    rows = rows_of("lightmaps")
+    figure, panels = plt.subplots(2, 2, figsize=(10.0, 6.4), sharex=True, sharey=True)
+    for case, axes in zip(RAY_CASES, panels.flat):
+        own = [{**row, "method": f"{row['method']}, {row['bytes']} B"} for row in rows if row["case"] == case]
+        rivals(axes, own, {row["method"] for row in own if row["method"].startswith("auto")}, 1e6)
+        axes.set_title(case, fontsize=10)
+    figure.supxlabel("microseconds to build a ray's transmittance", fontsize=9)
+    figure.supylabel("RMSE of transmittance", fontsize=9)
+    save(figure, "lightmaps", 90)
+
+
 def main() -> None:
     cycles_chart()
     lights_chart()
     cost_chart()
+    area_lights_chart()
+    light_maps_chart()
 
 
 if __name__ == "__main__":
