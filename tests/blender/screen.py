@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+from sfumato import refinement
 
 Image = NDArray[np.float32]
 
@@ -66,6 +67,20 @@ def watched() -> Iterator[list[tuple[Image, Image]]]:
     finally:
         for handle in handles:
             space.draw_handler_remove(handle, "WINDOW")
+
+
+def drawn(seen: list[Any], views: int = 1) -> Iterator[float | None]:
+    """Wait until that many views have been drawn with all that was changed before, for the second time: Blender
+    spreads the first over several redraws. Then until they are refined, and drawn again."""
+    for _ in range(2):
+        seen.clear()
+        while len(seen) < views:
+            yield
+    while refinement.busy():
+        yield 0.02
+    seen.clear()
+    while len(seen) < views:
+        yield
 
 
 def view_matrix() -> NDArray[np.float64]:
