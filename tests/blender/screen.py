@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -76,11 +77,18 @@ def drawn(seen: list[Any], views: int = 1) -> Iterator[float | None]:
         seen.clear()
         while len(seen) < views:
             yield
-    while refinement.busy():
-        yield 0.02
+    yield from refined()
     seen.clear()
     while len(seen) < views:
         yield
+
+
+def refined() -> Iterator[float | None]:
+    """Wait until no view has anything to refine any more."""
+    deadline = time.monotonic() + 60.0
+    while refinement.busy():
+        assert time.monotonic() < deadline, "the views never come to rest"
+        yield 0.02
 
 
 def view_matrix() -> NDArray[np.float64]:
