@@ -579,12 +579,13 @@ def test_a_lamp_with_a_size_throws_a_soft_shadow_of_a_roof(output: str) -> None:
     np.testing.assert_allclose(share_hidden(1), np.broadcast_to(x > 0.0, (40, 80)), atol=1e-5)
 
 
-def test_shadows_do_not_refine_what_they_leave_as_it_is() -> None:
-    """Nothing hides the lamp: however large it is, its shadows are the same at every pixel's first look."""
-    frame = under_a_roof(None)
+@pytest.mark.parametrize("roof", [None, -9.0])
+def test_a_share_in_shadow_is_of_the_lamp_and_not_of_a_sample_of_it(roof: float | None) -> None:
+    """All of the lamp is seen, or nothing: however large it is, the share is the same wherever on it a sample falls."""
+    frame = under_a_roof(roof)
     once, often = (frame.surfaces(BELOW, 40, 40, "all_shadows", samples) for samples in (1, 16))
-    np.testing.assert_array_equal(often, once)
-    assert np.abs(once[..., :3]).max() < 1e-6
+    np.testing.assert_allclose(often, once, atol=1e-4)  # what the film makes of a smooth curve
+    assert np.abs(once[..., :3] - (roof is not None)).max() < 0.2
 
 
 # ---- The interpreter's lock and progress ----
