@@ -17,6 +17,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
     bl_label = "Sfumato"
     bl_use_preview = False
     bl_use_shading_nodes_custom = False
+    bl_use_eevee_viewport = True  # Material Preview stays Blender's own, with the smoke over it: else both draw it
     # Made by view_update, drawn by view_draw; None where there is nothing to draw.
     view_frame: Any = None
 

@@ -5,7 +5,8 @@ The files viewport*.py are the only ones that import `gpu`, and only inside func
 (`blender -b`).
 
 Both views are made the same way. One pass marches the smoke into a picture of its own, which is kept until the camera,
-the size or the frame changes; handing it to Blender is then a copy. Blender's viewport is scene-linear until its very
+the size or the frame changes; handing it to Blender is then a copy. At rest it is made once more, of surfaces that are
+sampled as finely as F12's (refinement.py). Blender's viewport is scene-linear until its very
 end, where Blender applies the scene's view transform, so nothing here knows about colour management: `view_draw` draws
 into that target anyway, and the overlay fetches it in PRE_VIEW, where it is bound, to draw into it in POST_VIEW, when
 Blender's picture is there. (The target bound in POST_VIEW is the one for lines and text, which is not view-transformed.)
@@ -17,13 +18,14 @@ import contextlib
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from . import core, log, props, scene
+from . import core, log, props, refinement, scene
 from .scene import MOST_LIGHTS, MOST_MEDIA
 from .viewport_gpu import BRICK, Shaders, compile_shader, plain_state, shader_text, texture
 
@@ -179,6 +181,9 @@ class Look:
             return "radiance"
         return "smoke_shadow" if self.solids_shade else "all_shadows"
 
+    def camera(self) -> Any:
+        return core.module().Camera(np.reshape(self.matrix, (4, 4)))
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -186,6 +191,7 @@ class Picture:
 
     frame: Any
     look: Look
+    refined: bool  # made of surfaces that are sampled as F12's
     radiance: Any
     transmittance: Any | None
     buffer: Any
@@ -199,17 +205,18 @@ class Painter:
         self._smoke: dict[bool, _Smoke] = {}  # the overlay's, and the Rendered view's: their frames differ
         self._pictures: OrderedDict[Any, Picture] = OrderedDict()
 
-    def picture(self, view: Any, frame: Any, look: Look) -> Picture:
-        """The smoke of `frame`. `view` is any name: the picture is kept under it until something else is asked of it."""
+    def picture(self, view: Any, frame: Any, look: Look, refined: Any = None) -> Picture:
+        """The smoke of `frame`. `view` is any name: the picture is kept under it until something else is asked of it,
+        or there are `refined` surfaces to make it of."""
         kept = self._pictures.pop(view, None)
-        if kept is None or kept.look != look or kept.frame is not frame:
-            kept = self._make_picture(frame, look)
+        if refined is not None or kept is None or kept.look != look or kept.frame is not frame:
+            kept = self._make_picture(frame, look, refined)
         self._pictures[view] = kept
         while len(self._pictures) > PICTURES_KEPT:
             self._pictures.popitem(last=False)
         return kept
 
-    def _make_picture(self, frame: Any, look: Look) -> Picture:
+    def _make_picture(self, frame: Any, look: Look, refined: Any) -> Picture:
         import gpu
 
         smoke = self._smoke.get(look.overlay)
@@ -219,8 +226,9 @@ class Painter:
         variant = (smoke.colours, smoke.media, look.overlay)
         shader = self._shaders.get(variant, lambda: _smoke_shader(*variant))
 
-        camera = core.module().Camera(np.reshape(look.matrix, (4, 4)))
-        surfaces = texture(look.size, "RGBA", frame.surfaces(camera, *look.size, output=look.output))
+        camera = look.camera()
+        traced = frame.surfaces(camera, *look.size, output=look.output) if refined is None else refined
+        surfaces = texture(look.size, "RGBA", traced)
         targets = [gpu.types.GPUTexture(look.size, format="RGBA16F") for _ in range(2 if look.overlay else 1)]
         buffer = gpu.types.GPUFrameBuffer(color_slots=targets)
         uniforms = smoke.uniform_buffer(camera.corners, look)
@@ -231,7 +239,7 @@ class Painter:
             for name, held in smoke.textures.items():
                 shader.uniform_sampler(name, held)
             self._shaders.draw_screen(shader)
-        return Picture(frame, look, targets[0], targets[1] if look.overlay else None, buffer)
+        return Picture(frame, look, refined is not None, targets[0], targets[1] if look.overlay else None, buffer)
 
     def composite(self, picture: Any, blend: str, gain: float, least_alpha: float) -> None:
         """Draw a texture of the target's size over what the bound target holds."""
@@ -277,12 +285,23 @@ def _look(context: bpy.types.Context, **kind: bool) -> Look:
     return Look(matrix, (context.region.width, context.region.height), **kind)
 
 
+def _picture(context: bpy.types.Context, frame: Any, look: Look) -> Picture:
+    """The smoke of the view that is being drawn: at once, and refined in a later redraw unless something changes."""
+    view = context.region.as_pointer()
+    picture = painter().picture(view, frame, look, refinement.take(view, (frame, look)))
+    if not picture.refined:
+        samples = props.QUALITIES[props.of(context.scene).quality].edge_samples
+        trace = partial(frame.surfaces, look.camera(), *look.size, look.output, samples)
+        refinement.ask(view, (frame, look), trace)
+    return picture
+
+
 # The Rendered view --------------------------------------------------------------------------------------------------
 
 
 def draw_rendered(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, frame: Any) -> None:
     """Draw `frame`, a sfumato.Frame, as RenderEngine.view_draw should: scene-linear, Blender transforms it afterwards."""
-    picture = painter().picture(context.region.as_pointer(), frame, _look(context))
+    picture = _picture(context, frame, _look(context))
     transparent = depsgraph.scene_eval.render.film_transparent
     painter().composite(picture.radiance, "ALPHA_PREMULT", 1.0, 0.0 if transparent else 1.0)
 
@@ -335,7 +354,7 @@ class _Overlay:
             exposure = 2.0**context.scene.view_settings.exposure
             exposed = scene_lights or (shading.type == "MATERIAL" and shading.use_scene_world)
             look = _look(context, overlay=True, solids_shade=scene_lights)
-            picture = painter().picture(context.region.as_pointer(), frame, look)
+            picture = _picture(context, frame, look)
             with target.bind():
                 painter().composite(picture.transmittance, "MULTIPLY", 1.0, 1.0)
                 painter().composite(picture.radiance, "ADDITIVE_PREMULT", 1.0 if exposed else exposure, 0.0)
@@ -432,6 +451,7 @@ def disable() -> None:
 
 
 def free() -> None:
-    """Free every GPU object. What is drawn next makes its own again."""
+    """Free every GPU object, and stop what would make more. What is drawn next makes its own again."""
     global _painter
+    refinement.stop()
     _painter = None

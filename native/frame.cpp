@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -22,14 +24,16 @@ int film_turn(int x, int y) {
 }
 
 struct Image {
+    Output output;
     int width, height;
     std::vector<float> rgba;     // premultiplied
-    std::vector<float> surfaces; // mean radiance of the surfaces, were there no smoke
+    std::vector<float> surfaces; // mean radiance of the surfaces, were there no smoke; or the mean share in shadow
     std::vector<float> seen;     // the share of it that the smoke leaves
-    std::vector<float> distance;
+    std::vector<float> distance; // at the pixel's centre
 
-    Image(int w, int h)
-        : width(w), height(h), rgba(4 * at(0, h)), surfaces(at(0, h)), seen(at(0, h)), distance(at(0, h)) {}
+    Image(Output what, int w, int h)
+        : output(what), width(w), height(h), rgba(4 * at(0, h)), surfaces(at(0, h)), seen(at(0, h)),
+          distance(at(0, h)) {}
 
     [[nodiscard]] std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
@@ -38,7 +42,7 @@ struct Image {
 
 // The first look: every pixel once, through its centre, and either through the middles of the lights or spread over
 // them.
-void trace_row(const Kernels &with, const FrameView &view, Output output, bool spread, Image &image, int y) {
+void trace_row(const Kernels &with, const FrameView &view, bool spread, Image &image, int y) {
     const int lanes = with.lanes;
     Packet packet;
     Traced light;
@@ -52,7 +56,7 @@ void trace_row(const Kernels &with, const FrameView &view, Output output, bool s
             packet.light_v[lane] = look.light_v;
             packet.active[lane] = x < image.width ? 1.0F : 0.0F;
         }
-        with.trace(view, output, packet, light);
+        with.trace(view, image.output, packet, light);
         for (int lane = 0; lane < lanes && x0 + lane < image.width; ++lane) {
             const std::size_t pixel = image.at(x0 + lane, y);
             float *rgba = image.rgba.data() + 4 * pixel;
@@ -77,7 +81,9 @@ bool is_edge(const Image &image, int x, int y) {
     };
     const std::size_t centre = at(x, y);
     const float *rgba = image.rgba.data() + 4 * centre;
-    const float brightness = (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
+    const float mean = (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
+    const bool radiance = image.output == Output::PICTURE || image.output == Output::SURFACES;
+    const float brightness = radiance ? mean : 1.0F - mean; // a share in shadow leaves the rest
     constexpr std::array<std::array<int, 2>, 4> WAYS = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
     for (const auto &[dx, dy] : WAYS) {
         const std::size_t before = at(x - dx, y - dy), after = at(x + dx, y + dy);
@@ -111,7 +117,7 @@ void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<
             packet.light_v[lane] = s.light_v;
             packet.active[lane] = active ? 1.0F : 0.0F;
         }
-        with.trace(view, Output::PICTURE, packet, light);
+        with.trace(view, image.output, packet, light);
         for (int lane = 0; lane < lanes && first + lane < count; ++lane) {
             for (std::size_t c = 0; c < 3; ++c) {
                 sum[c] += static_cast<double>(light.radiance[c][lane]);
@@ -125,17 +131,56 @@ void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<
     }
 }
 
-// Runs body(i) for 0 <= i < count on all cores, asking `progress` between chunks. False if it was stopped.
+// Runs body(y) for each row of an image on all cores, asking `progress` between chunks of rows. False if it was
+// stopped.
 template <typename Body>
-bool in_chunks(int count, double done, double share, const Progress &progress, const Body &body) {
-    constexpr int CHUNKS = 8;
-    for (int chunk = 0; chunk < CHUNKS; ++chunk) {
-        if (progress && !progress(done + share * chunk / CHUNKS)) {
+bool in_chunks(const Image &image, double done, double share, const Progress &progress, const Body &body) {
+    // Few enough to keep all cores busy, and so many that a stop is not long in coming.
+    constexpr std::size_t LEAST = 8, PIXELS = 1U << 16U;
+    const auto chunks = progress ? static_cast<int>(std::max(LEAST, image.distance.size() / PIXELS)) : 1;
+    const auto first = [&](int chunk) { return static_cast<int>(std::int64_t{image.height} * chunk / chunks); };
+    for (int chunk = 0; chunk < chunks; ++chunk) {
+        if (progress && !progress(done + share * chunk / chunks)) {
             return false;
         }
-        oneapi::tbb::parallel_for(count * chunk / CHUNKS, count * (chunk + 1) / CHUNKS, body);
+        oneapi::tbb::parallel_for(first(chunk), first(chunk + 1), body);
     }
     return true;
+}
+
+// Samples the pixels in which surfaces or their shadows change `edge_samples` times. False if progress said stop.
+bool refine(const Kernels &with, const FrameView &view, int edge_samples, const Progress &progress, Image &image) {
+    std::vector<std::vector<FilmSample>> patterns;
+    patterns.reserve(FILM_TURNS);
+    for (int turn = 0; turn < FILM_TURNS; ++turn) {
+        patterns.push_back(film_samples(edge_samples, turn));
+    }
+    // Which pixels are edges is settled before any of them changes.
+    std::vector<std::vector<int>> edges(static_cast<std::size_t>(image.height));
+    oneapi::tbb::parallel_for(0, image.height, [&](int y) {
+        for (int x = 0; x < image.width; ++x) {
+            if (is_edge(image, x, y)) {
+                edges[static_cast<std::size_t>(y)].push_back(x);
+            }
+        }
+    });
+    return in_chunks(image, 0.5, 0.5, progress, [&](int y) {
+        for (const int x : edges[static_cast<std::size_t>(y)]) {
+            refine_pixel(with, view, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
+        }
+    });
+}
+
+// A first look at every pixel and, for more than one sample, a closer one at the edges. Nothing if progress said stop.
+std::optional<Image> traced(const Kernels &with, const FrameView &view, Output output, int width, int height,
+                            int edge_samples, const Progress &progress) {
+    Image image(output, width, height);
+    const bool closer = edge_samples > 1;
+    if (!in_chunks(image, 0.0, closer ? 0.5 : 1.0, progress, [&](int y) { trace_row(with, view, closer, image, y); }) ||
+        (closer && !refine(with, view, edge_samples, progress, image))) {
+        return std::nullopt;
+    }
+    return image;
 }
 
 std::vector<CroppedMedium> cropped(std::span<const Medium> media) {
@@ -176,51 +221,22 @@ FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) c
 std::optional<std::vector<float>> Frame::render(const Camera &camera, int width, int height, int edge_samples,
                                                 const Progress &progress) const {
     const std::vector<MediumView> media = views_of(media_, step_length_);
-    const FrameView frame = view(camera, media);
-    Image image(width, height);
-    const bool refine = edge_samples > 1;
-    if (!in_chunks(height, 0.0, 0.5, progress,
-                   [&](int y) { trace_row(*kernels_, frame, Output::PICTURE, refine, image, y); })) {
-        return std::nullopt;
-    }
-    if (refine) {
-        std::vector<std::vector<FilmSample>> patterns;
-        patterns.reserve(FILM_TURNS);
-        for (int turn = 0; turn < FILM_TURNS; ++turn) {
-            patterns.push_back(film_samples(edge_samples, turn));
-        }
-        // Which pixels are edges is settled before any of them changes.
-        std::vector<std::vector<int>> edges(static_cast<std::size_t>(height));
-        oneapi::tbb::parallel_for(0, height, [&](int y) {
-            for (int x = 0; x < width; ++x) {
-                if (is_edge(image, x, y)) {
-                    edges[static_cast<std::size_t>(y)].push_back(x);
-                }
-            }
-        });
-        const auto refine_row = [&](int y) {
-            for (const int x : edges[static_cast<std::size_t>(y)]) {
-                refine_pixel(*kernels_, frame, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
-            }
-        };
-        if (!in_chunks(height, 0.5, 0.5, progress, refine_row)) {
-            return std::nullopt;
-        }
-    }
-    return std::move(image.rgba);
+    std::optional<Image> image =
+        traced(*kernels_, view(camera, media), Output::PICTURE, width, height, edge_samples, progress);
+    return image ? std::optional(std::move(image->rgba)) : std::nullopt;
 }
 
-std::vector<float> Frame::surfaces(const Camera &camera, int width, int height, Output output) const {
+std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int width, int height, Output output,
+                                                  int edge_samples, const Progress &progress) const {
     const std::vector<MediumView> media = views_of(media_, step_length_);
-    const FrameView frame = view(camera, media);
-    Image image(width, height);
-    oneapi::tbb::parallel_for(0, height, [&](int y) {
-        trace_row(*kernels_, frame, output, false, image, y);
-        for (std::size_t pixel = image.at(0, y); pixel < image.at(0, y + 1); ++pixel) {
-            image.rgba[4 * pixel + 3] = image.distance[pixel];
-        }
-    });
-    return std::move(image.rgba);
+    std::optional<Image> image = traced(*kernels_, view(camera, media), output, width, height, edge_samples, progress);
+    if (!image) {
+        return std::nullopt;
+    }
+    for (std::size_t pixel = 0; pixel < image->distance.size(); ++pixel) {
+        image->rgba[4 * pixel + 3] = image->distance[pixel];
+    }
+    return std::move(image->rgba);
 }
 
 void Frame::transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const {

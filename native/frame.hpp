@@ -34,9 +34,10 @@ public:
     [[nodiscard]] std::optional<std::vector<float>> render(const Camera &camera, int width, int height,
                                                            int edge_samples, const Progress &progress) const;
 
-    // What a GPU needs of the surfaces, one ray a pixel: RGB, and the distance to the first surface. RGB is what
-    // `output` says, anything but PICTURE.
-    [[nodiscard]] std::vector<float> surfaces(const Camera &camera, int width, int height, Output output) const;
+    // What a GPU needs of the surfaces: RGB, and the distance to the first surface through the pixel's centre. RGB is
+    // what `output` says, anything but PICTURE, sampled and filtered as a picture is.
+    [[nodiscard]] std::optional<std::vector<float>> surfaces(const Camera &camera, int width, int height, Output output,
+                                                             int edge_samples, const Progress &progress) const;
 
     // RGB of the share of a light that the smoke lets through to each of `points` (x, y, z in turn).
     void transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const;

@@ -238,8 +238,12 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         }
         const Towards towards =
             sample_towards(light, start, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
-        for (int c = 0; c < 3 && !picture; ++c) {
-            facing[c] = facing[c] + pick(surface.hit, towards.irradiance, 0.0F) * light.strength[c];
+        if (!picture) {
+            // From the light's middle: a share's denominator must not depend on where this sample fell.
+            const Real irradiance = pick(surface.hit, sample_towards(light, start, 0.5F, 0.5F).irradiance, 0.0F);
+            for (int c = 0; c < 3; ++c) {
+                facing[c] = facing[c] + irradiance * light.strength[c];
+            }
         }
         if (!any_lit) {
             continue;
@@ -442,7 +446,8 @@ void trace(const FrameView &frame, Output output, const Packet &packet, Traced &
             open[i] = pick(surface.hit, light.open[i], open[i]);
         }
     }
-    const Real brightness = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
+    const Real *const seen = picture ? open : shadowed;
+    const Real brightness = (seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F);
     brightness.store_aligned(out.surface);
     if (output != Output::PICTURE || frame.media.empty()) {
         store_plain(shadowed, surface.hit, out);

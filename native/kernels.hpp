@@ -166,7 +166,7 @@ struct Packet {
 struct Traced {
     alignas(64) float radiance[3][MAX_LANES];
     alignas(64) float alpha[MAX_LANES];
-    alignas(64) float surface[MAX_LANES];  // mean radiance of the surface, were there no smoke
+    alignas(64) float surface[MAX_LANES];  // mean radiance of the surface, were there no smoke; or mean share in shadow
     alignas(64) float seen[MAX_LANES];     // the share of it that the smoke leaves
     alignas(64) float distance[MAX_LANES]; // to the first surface, or the ray's reach
 };

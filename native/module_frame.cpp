@@ -27,41 +27,50 @@ void require_size(int width, int height) {
     require_range(height, 1, 65536, "height");
 }
 
-py::object render(const Frame &frame, const Camera &camera, int width, int height, int edge_samples,
-                  const std::optional<std::function<py::object(double)>> &progress) {
-    require_size(width, height);
-    require_range(edge_samples, 1, 1024, "edge_samples");
-    Progress report;
-    if (progress) {
-        report = [&progress](double done) {
-            const py::gil_scoped_acquire locked;
-            const py::object answer = (*progress)(done);
-            return answer.is_none() || py::bool_(answer); // a function without a return statement stops nothing
-        };
+using PythonProgress = std::optional<std::function<py::object(double)>>;
+
+Progress reporting(const PythonProgress &progress) {
+    if (!progress) {
+        return {};
     }
+    return [&progress](double done) {
+        const py::gil_scoped_acquire locked;
+        const py::object answer = (*progress)(done);
+        return answer.is_none() || py::bool_(answer); // a function without a return statement stops nothing
+    };
+}
+
+// The image that `work` makes with the interpreter's lock released, or None.
+template <typename Work>
+py::object image_of(int width, int height, const Work &work) {
     std::optional<std::vector<float>> image;
     {
         const py::gil_scoped_release unlocked;
-        image = frame.render(camera, width, height, edge_samples, report);
+        image = work();
     }
     return image ? py::object(to_numpy(std::move(*image), {height, width, 4})) : py::none();
 }
 
-py::array_t<float> surfaces(const Frame &frame, const Camera &camera, int width, int height,
-                            const std::string &output) {
+py::object render(const Frame &frame, const Camera &camera, int width, int height, int edge_samples,
+                  const PythonProgress &progress) {
     require_size(width, height);
+    require_range(edge_samples, 1, 1024, "edge_samples");
+    return image_of(width, height,
+                    [&] { return frame.render(camera, width, height, edge_samples, reporting(progress)); });
+}
+
+py::object surfaces(const Frame &frame, const Camera &camera, int width, int height, const std::string &output,
+                    int edge_samples, const PythonProgress &progress) {
+    require_size(width, height);
+    require_range(edge_samples, 1, 1024, "edge_samples");
     Output kind = Output::SURFACES;
     if (output == "smoke_shadow" || output == "all_shadows") {
         kind = output == "smoke_shadow" ? Output::SMOKE_SHADOW : Output::ALL_SHADOWS;
     } else if (output != "radiance") {
         throw py::value_error("output is '" + output + "', but must be 'radiance', 'smoke_shadow' or 'all_shadows'");
     }
-    std::vector<float> buffer;
-    {
-        const py::gil_scoped_release unlocked;
-        buffer = frame.surfaces(camera, width, height, kind);
-    }
-    return to_numpy(std::move(buffer), {height, width, 4});
+    return image_of(width, height,
+                    [&] { return frame.surfaces(camera, width, height, kind, edge_samples, reporting(progress)); });
 }
 
 py::array_t<float> density_of(const CroppedMedium &medium) {
@@ -190,13 +199,15 @@ share of the work that is done, by the thread that called; when it returns False
 >>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=lambda done: done < 0.25) is None
 True
 )")
-        .def(
-            "surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"),
-            py::arg("output") = "radiance",
-            R"((height, width, 4) float32: of the first surface what `output` says, and the distance to it in metres, the
-far plane's where there is none. "radiance": in the shadow of smoke and solids, but without the smoke between it and
-the eye; "smoke_shadow": the share of the light on it that smoke takes, in [0, 1], of all that it would have if it
-faced every light; "all_shadows": the share that smoke and solids take.
+        .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"),
+             py::arg("output") = "radiance", py::arg("edge_samples") = 1, py::arg("progress") = py::none(),
+             R"((height, width, 4) float32: of the first surface what `output` says, and the distance to it through the
+pixel's centre in metres, the far plane's where there is none. "radiance": in the shadow of smoke and solids, but without
+the smoke between it and the eye; "smoke_shadow": the share of the light on it that smoke takes, in [0, 1], of all that
+it would have if it faced every light; "all_shadows": the share that smoke and solids take.
+
+edge_samples and progress are those of render(). With edge_samples of 1 all lights are seen at their middles, and solids
+throw hard shadows; with more, lights with a size throw soft ones.
 
 >>> import numpy as np
 >>> Frame(Scene()).surfaces(Camera(np.diag([1, 1, -0.1, 1])), width=1, height=1)[0, 0].tolist()

@@ -420,6 +420,8 @@ REFUSALS: list[tuple[Callable[[], Any], str, str]] = [
     (wrong_render(height=-2), "height", "-2"),
     (wrong_render(width=10**6), "width", "1000000"),
     (wrong_render(edge_samples=0), "edge_samples", "0"),
+    (wrong_surfaces(edge_samples=0), "edge_samples", "0"),
+    (wrong_surfaces(edge_samples=1025), "edge_samples", "1025"),
     (wrong_surfaces(width=0), "width", "0"),
     (wrong_surfaces(height=0), "height", "0"),
     (lambda: Frame(Scene()).transmittance(np.zeros((2, 2))), "points", "(2, 2)"),
@@ -500,6 +502,92 @@ def test_smoke_may_be_very_small() -> None:
     assert Frame(small).media[0].light.max() > 0.0
 
 
+# ---- Surfaces, sampled as a picture ----
+
+
+def rectangle(low: tuple[float, float], high: tuple[float, float], height: float) -> dict[str, Any]:
+    corners = [
+        [low[0], low[1], height],
+        [high[0], low[1], height],
+        [high[0], high[1], height],
+        [low[0], high[1], height],
+    ]
+    return {**TRIANGLE, "vertices": corners, "triangles": [[0, 1, 2], [0, 2, 3]],
+            "corner_normals": [[[0, 0, 1]] * 3] * 2, "material": [0, 0]}  # fmt: skip
+
+
+def under_a_roof(start: float | None, smoke: bool = False) -> Frame:
+    """A floor under a lamp of 1 m by 1 m at a height of 4 m, with a roof at 2 m from x = start on."""
+    scene = Scene()
+    scene.add_mesh(**rectangle((-9.0, -9.0), (9.0, 9.0), 0.0))
+    scene.add_area((0, 0, 4), across=(0.5, 0, 0), up=(0, 0.5, 0), radiance=(5, 4, 3))
+    scene.set_background((0.1, 0.2, 0.3))
+    if start is not None:
+        scene.add_mesh(**rectangle((start, -9.0), (9.0, 9.0), 2.0))
+    if smoke:
+        scene.add_medium(**MEDIUM)
+    return Frame(scene)
+
+
+# Orthographic, between roof and floor: x and y in [-1, 1], z from 1 to -1.
+BELOW = Camera(np.diag([1.0, 1.0, -1.0, 1.0]))
+
+
+@pytest.mark.parametrize("edge_samples", [1, 16])
+def test_surfaces_without_smoke_are_the_picture(edge_samples: int) -> None:
+    """With a tilted plate before the sky, so that there are silhouettes too."""
+    frame = under_a_roof(0.0)
+    tilted = Camera(np.array([[0.1, 0, 0, 0], [0, 0.06, -0.08, 0], [0, -0.04, -0.03, 0], [0, 0, 0, 1.0]]))
+    for camera in (BELOW, tilted):
+        surfaces = frame.surfaces(camera, 64, 48, "radiance", edge_samples)
+        picture = frame.render(camera, 64, 48, edge_samples)
+        np.testing.assert_array_equal(surfaces[..., :3], picture[..., :3])
+    assert picture[..., 3].min() == 0.0 and picture[..., 3].max() == 1.0
+    assert ((picture[..., 3] > 0.0) & (picture[..., 3] < 1.0)).any() == (edge_samples > 1)
+
+
+@pytest.mark.parametrize("output", ["radiance", "smoke_shadow", "all_shadows"])
+def test_the_distance_is_that_of_the_pixels_centre(output: str) -> None:
+    frame = under_a_roof(0.0, smoke=True)
+    slanted = Camera(np.array([[0.1, 0, 0, 0], [0, 0.06, -0.08, 0], [0, -0.04, -0.03, 0], [0, 0, 0, 1.0]]))
+    once, often = (frame.surfaces(slanted, 64, 48, output, samples) for samples in (1, 16))
+    np.testing.assert_array_equal(often[..., 3], once[..., 3])
+    assert np.abs(often[..., :3] - once[..., :3]).max() > 0.02
+
+
+@pytest.mark.parametrize("output", ["radiance", "all_shadows"])
+def test_a_lamp_with_a_size_throws_a_soft_shadow_of_a_roof(output: str) -> None:
+    """The roof's edge is half way up: a point x of the floor sees what of the lamp lies beyond -x, so the light on it
+    rises from nothing to all between x = 0.5 and x = -0.5. With one sample a pixel sees the lamp's middle or does not.
+    """
+
+    def share_hidden(edge_samples: int) -> Array:
+        none, half, all_of_it = (
+            under_a_roof(start).surfaces(BELOW, 80, 40, output, edge_samples)[..., 0] for start in (None, 0.0, -9.0)
+        )
+        hidden: Array = (none - half) / (none - all_of_it)
+        return hidden
+
+    x = (np.arange(80) + 0.5) / 40.0 - 1.0
+    expected = np.clip(0.5 + x, 0.0, 1.0)
+    inner = np.abs(x) < 0.3
+    off = (share_hidden(64) - expected)[:, inner]
+    # The samples are the middles of 64 shares of the lamp. Here and there, as in Film.SeesThePenumbraOfAHalfPlane, a pixel
+    # and its neighbours find the same by chance, and it is not refined.
+    assert np.quantile(np.abs(off), 0.95) < 1.5 / 64
+    assert np.abs(off.mean(0)).max() < 0.02
+    np.testing.assert_allclose(share_hidden(1), np.broadcast_to(x > 0.0, (40, 80)), atol=1e-5)
+
+
+@pytest.mark.parametrize("roof", [None, -9.0])
+def test_a_share_in_shadow_is_of_the_lamp_and_not_of_a_sample_of_it(roof: float | None) -> None:
+    """All of the lamp is seen, or nothing: however large it is, the share is the same wherever on it a sample falls."""
+    frame = under_a_roof(roof)
+    once, often = (frame.surfaces(BELOW, 40, 40, "all_shadows", samples) for samples in (1, 16))
+    np.testing.assert_allclose(often, once, atol=1e-4)  # what the film makes of a smooth curve
+    assert np.abs(once[..., :3] - (roof is not None)).max() < 0.2
+
+
 # ---- The interpreter's lock and progress ----
 
 
@@ -571,6 +659,19 @@ def test_two_threads_render_one_frame() -> None:
     for thread in threads:
         thread.join()
     np.testing.assert_array_equal(images[0], images[1])
+
+
+def test_surfaces_report_progress_too() -> None:
+    shares: list[float] = []
+    frame = under_a_roof(0.0)
+    assert frame.surfaces(BELOW, 64, 64, edge_samples=16, progress=shares.append).shape == (64, 64, 4)
+    assert shares[0] == 0.0 and shares == sorted(shares) and 0.5 < shares[-1] < 1.0
+    np.testing.assert_array_equal(
+        frame.surfaces(BELOW, 64, 64, "all_shadows", 16, lambda done: True),
+        frame.surfaces(BELOW, 64, 64, "all_shadows", 16),
+    )
+    for last in (0.0, 0.3, 0.8):
+        assert frame.surfaces(BELOW, 64, 64, edge_samples=16, progress=lambda done: done < last) is None
 
 
 @pytest.mark.parametrize("answer", [False, np.False_, 0])

@@ -7,7 +7,8 @@ a virtual screen. By hand, after tests/run has built the add-on and set Blender'
     blender --factory-startup --addons sfumato --python-use-system-env --python FILE      (PYTHONPATH=tests/blender)
 
 Tests run in the order of the file, each from Blender's factory scene. In the interface a test may be a generator: at
-each `yield` Blender redraws every editor and handles its events before the test goes on.
+each `yield` Blender redraws every editor and handles its events before the test goes on; at `yield seconds` it does as
+it likes for that long.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ CACHE = ROOT / "blend_samples" / "plume_cache"
 # Blender's own builds never pair the two; Debian 13 does.
 MANTAFLOW_ABORTS = bpy.app.version < (5, 0) and sys.version_info >= (3, 12)
 
-Test = Callable[[], "Generator[None, None, None] | None"]
+Test = Callable[[], "Generator[float | None, None, None] | None"]
 
 
 class Skip(Exception):
@@ -106,17 +107,20 @@ def middle_of(smoke: bpy.types.Object) -> Vector:
     return smoke.matrix_world @ (sum((Vector(corner) for corner in smoke.bound_box), Vector()) / 8.0)
 
 
-def _step(steps: Iterator[None]) -> float | None:
+def _step(steps: Iterator[float | None]) -> float | None:
     """One timer tick: go on with the tests, then ask for a redraw of everything."""
-    if next(steps, "end") == "end":
+    said = next(steps, "end")
+    if said == "end":
         return None
+    if said is not None:
+        return float(said)
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             area.tag_redraw()
     return 0.0
 
 
-def _run(tests: dict[str, Test]) -> Iterator[None]:
+def _run(tests: dict[str, Test]) -> Iterator[float | None]:
     counts = {"passed": 0, "failed": 0, "skipped": 0}
     for name, test in tests.items():
         started = time.perf_counter()

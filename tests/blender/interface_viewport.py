@@ -129,17 +129,6 @@ def counted_exports() -> Iterator[list[int]]:
         scene.export = original
 
 
-def drawn(seen: list[Any], views: int = 1) -> Iterator[None]:
-    """Wait until that many views have been drawn with all that was changed before, for the second time: Blender
-    spreads the first over several redraws."""
-    seen.clear()
-    while len(seen) < views:
-        yield
-    seen.clear()
-    while len(seen) < views:
-        yield
-
-
 def shaded_and_sunny(smoke: bpy.types.Object) -> tuple[tuple[int, int], tuple[int, int]]:
     """Two pixels (row, column) of surfaces in the sun and beside the smoke: in its shadow, and out of it."""
     _window, _area, region = screen.viewport()
@@ -177,13 +166,13 @@ def test_overlay_darkens_the_shadow_and_leaves_no_trace() -> Iterator[None]:
     settings = bpy.context.scene.sfumato
     with screen.watched() as seen:
         settings.viewport_enabled = False
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         without = seen[-1]
         settings.viewport_enabled = True
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         with_smoke = seen[-1]
         settings.viewport_enabled = False
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         again = seen[-1]
     dark, bright = shaded_and_sunny(smoke)
     print(f"  shadow {with_smoke[0][dark][0] / without[0][dark][0]:.3f} of what it was, beside it "
@@ -201,27 +190,27 @@ def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes(
     with screen.watched() as seen, counted_exports() as exports:
         view.view_perspective = "PERSP"
         view.view_distance, view.view_location = 9.0, (0.5, 0.0, 1.2)
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         first, read_first = seen[-1][0], exports[0]
         assert read_first >= 1
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert np.array_equal(seen[-1][0], first)
         view.view_rotation = Quaternion((0.0, 0.0, 1.0), 0.4) @ view.view_rotation
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert np.abs(seen[-1][0] - first).max() > 0.1, "the smoke must move with the view"
         view.view_perspective = "ORTHO"
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         bpy.data.objects["Ball"].select_set(True)
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert exports[0] == read_first, "neither a view nor a selection changes the smoke"
         still = seen[-1][0]
         bpy.context.scene.frame_set(12)
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert exports[0] == read_first + 1
         if not harness.MANTAFLOW_ABORTS:  # else it is a still
             assert np.abs(seen[-1][0] - still).max() > 0.1, "the smoke must move with time"
         bpy.data.objects["Sun"].data.energy *= 2.0
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert exports[0] == read_first + 2
     assert not log.notices(), log.notices()
 
@@ -235,19 +224,19 @@ def test_a_failure_is_said_once_and_blender_goes_on_drawing() -> Iterator[None]:
         raise ValueError("a test broke the scene")
 
     with screen.watched() as seen:
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         good = seen[-1][0]
         scene.export = export
         try:
             bpy.data.objects["Sun"].data.energy *= 2.0
             for _ in range(3):
-                yield from drawn(seen)
+                yield from screen.drawn(seen)
             assert len(calls) == 1, f"{len(calls)} attempts at one broken scene"
             assert any("a test broke the scene" in line for line in log.notices()), log.notices()
         finally:
             scene.export = original
         bpy.data.objects["Sun"].data.energy /= 2.0
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert np.array_equal(seen[-1][0], good)
     assert not log.notices(), log.notices()
 
@@ -255,36 +244,36 @@ def test_a_failure_is_said_once_and_blender_goes_on_drawing() -> Iterator[None]:
 def test_undo_and_another_file() -> Iterator[None]:
     plume("SOLID")
     with screen.watched() as seen:
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         sun = bpy.data.objects["Sun"].data
         bpy.ops.ed.undo_push(message="before")
         bright = seen[-1][0]
         sun.energy *= 0.25
         bpy.ops.ed.undo_push(message="dim")
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert np.abs(seen[-1][0] - bright).max() > 0.1
         bpy.ops.ed.undo()
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert np.abs(seen[-1][0] - bright).max() < 1e-3, "undo must bring the light back"
         bpy.ops.wm.read_homefile(use_factory_startup=True)
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
     assert not [line for line in log.notices() if "cannot be drawn" in line], log.notices()
 
 
 def test_enable_and_disable_may_be_repeated() -> Iterator[None]:
     plume("SOLID")
     with screen.watched() as seen:
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         good = seen[-1][0]
         viewport.disable()
         viewport.disable()
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         bare = seen[-1][0]
         assert np.abs(good - bare).max() > 0.1
     viewport.enable()
     viewport.enable()
     with screen.watched() as seen:
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         assert np.array_equal(seen[-1][0], good), "drawn twice?"
 
 
@@ -295,12 +284,12 @@ def test_every_view_of_a_quad_view_has_its_smoke() -> Iterator[None]:
         bpy.ops.screen.region_quadview()
     try:
         with screen.watched() as seen:
-            yield from drawn(seen, 4)  # Blender may still be dividing the view
+            yield from screen.drawn(seen, 4)  # Blender may still be dividing the view
             bpy.context.scene.sfumato.viewport_enabled = False
-            yield from drawn(seen, 4)
+            yield from screen.drawn(seen, 4)
             without = seen[-4:]
             bpy.context.scene.sfumato.viewport_enabled = True
-            yield from drawn(seen, 4)
+            yield from screen.drawn(seen, 4)
             for before, after in zip(without, seen[-4:]):
                 assert np.abs(after[0] - before[0]).max() > 0.05
     finally:
@@ -320,7 +309,7 @@ def test_two_windows() -> Iterator[None]:
         with screen.watched() as seen:
             for enabled in (False, True):
                 bpy.context.scene.sfumato.viewport_enabled = enabled
-                yield from drawn(seen, 4)
+                yield from screen.drawn(seen, 4)
                 shapes = {picture.shape for picture, _ in seen[-2:]}
                 if not enabled:
                     without = {picture.shape: picture for picture, _ in seen[-2:]}
@@ -339,13 +328,12 @@ def test_rendered_view_is_scene_linear() -> Iterator[None]:
     space, _smoke = plume("RENDERED")
     bpy.context.scene.render.engine = "SFUMATO"
     with screen.watched() as seen:
-        yield from drawn(seen)
-        yield from drawn(seen)
+        yield from screen.drawn(seen)
         shown = seen[-1][0]
     quality = sfumato.props.QUALITIES[bpy.context.scene.sfumato.quality]
     frame = sfumato.Frame(scene.export(bpy.context.evaluated_depsgraph_get()).scene, **quality.frame)
     height, width = shown.shape[:2]
-    cpu = frame.render(sfumato.Camera(screen.view_matrix()), width, height, edge_samples=1)
+    cpu = frame.render(sfumato.Camera(screen.view_matrix()), width, height, edge_samples=quality.edge_samples)
     assert space.shading.type == "RENDERED" and cpu[..., 0].max() > 0.2
     assert_same("plume", shown[..., :3], cpu[..., :3])
     assert (shown[..., 3] == 1.0).all()

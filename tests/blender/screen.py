@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+from sfumato import refinement
 
 Image = NDArray[np.float32]
 
@@ -66,6 +68,27 @@ def watched() -> Iterator[list[tuple[Image, Image]]]:
     finally:
         for handle in handles:
             space.draw_handler_remove(handle, "WINDOW")
+
+
+def drawn(seen: list[Any], views: int = 1) -> Iterator[float | None]:
+    """Wait until that many views have been drawn with all that was changed before, for the second time: Blender
+    spreads the first over several redraws. Then until they are refined, and drawn again."""
+    for _ in range(2):
+        seen.clear()
+        while len(seen) < views:
+            yield
+    yield from refined()
+    seen.clear()
+    while len(seen) < views:
+        yield
+
+
+def refined() -> Iterator[float | None]:
+    """Wait until no view has anything to refine any more."""
+    deadline = time.monotonic() + 60.0
+    while refinement.busy():
+        assert time.monotonic() < deadline, "the views never come to rest"
+        yield 0.02
 
 
 def view_matrix() -> NDArray[np.float64]:
