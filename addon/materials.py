@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -51,12 +52,13 @@ class Surface:
     albedo: NDArray[np.float64]
     reflectance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     edge: float = 0.0
+    index: float = 0.0
     alpha: tuple[float, float] = (0.0, 0.0)
     emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
     @property
     def gloss(self) -> tuple[float, ...]:
-        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart())
+        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart(), self.index)
 
 
 def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
@@ -64,6 +66,12 @@ def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
     alpha = max(min(roughness, 1.0), 0.1) ** 2
     aspect = float(np.sqrt(1.0 - 0.9 * np.clip(anisotropy, 0.0, 1.0)))
     return min(alpha / aspect, 1.0), alpha * aspect
+
+
+def index_of(reflectance: float) -> float:
+    """The index of refraction that reflects so much of light from straight on."""
+    root = math.sqrt(min(max(reflectance, 0.0), 0.99))
+    return (1.0 + root) / (1.0 - root)
 
 
 def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
@@ -77,7 +85,9 @@ def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
         if name in shader.inputs and value_of(shader, name, owner, []) > 0.0:
             notices.append(f"{owner}: '{name}' is not shown yet")
     reflectance = (1.0 - metallic) * plain + metallic * colour
-    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0)
+    # One curve has to do for both layers: of those that differ, that of the one which there is more of.
+    curved = metallic <= 0.5 or compat.metals_have_an_index()
+    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0, index_of(plain) if curved else 0.0)
     if reflectance.max() <= 0.0:
         return Surface(surface.albedo)
     anisotropy = value_of(shader, "Anisotropic", owner, [])
@@ -110,7 +120,7 @@ def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
         roughness = value_of(shader, "Roughness", owner, notices)
         anisotropy = shader.inputs.get("Anisotropy")
         twist = 0.0 if anisotropy is None else float(anisotropy.default_value)
-        return Surface(np.zeros(3), value_of(shader, "Color", owner, notices), 0.0, alphas(roughness, twist))
+        return Surface(np.zeros(3), value_of(shader, "Color", owner, notices), alpha=alphas(roughness, twist))
     notices.append(f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour")
     return Surface(np.array(material.diffuse_color[:3]))
 

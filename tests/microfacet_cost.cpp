@@ -67,7 +67,7 @@ Reflection ltc_quad(const Table &table, const vec3 &view, Real alpha, const vec3
     sum = abs(sum + edge_integral(leave, enter));
     Reflection light;
     light.plain = sum * e[4];
-    light.schlick = sum * e[5];
+    light.fresnel = sum * e[5];
     return light;
 }
 
@@ -105,7 +105,7 @@ double nanoseconds(const Inputs &inputs, const Method &method) {
                                      {number(9), number(10), number(11) - 0.3F}};
             const vec3 view = unit(vec3(number(12), number(13), number(14)));
             const Reflection light = method(view, number(15), corners);
-            sum = sum + light.plain + light.schlick;
+            sum = sum + light.plain + light.fresnel;
         }
         const std::chrono::duration<double, std::nano> taken = std::chrono::steady_clock::now() - start;
         best = std::min(best, taken.count());
