@@ -54,12 +54,13 @@ def size_factor(light: Any, area: float = 0.0) -> float:
         sine = math.sin(0.5 * light.angle)
         return math.pi * sine * sine if sine > 0.0 else 1.0
     # A point without a radius counts as 4, so that what is left of its 1 / 4 pi is 1 / pi.
-    return 4.0 * math.pi * light.shadow_soft_size**2 if light.shadow_soft_size > 0.0 else 4.0
+    radius = float(light.shadow_soft_size)
+    return 4.0 * math.pi * radius * radius if radius > 0.0 else 4.0
 
 
 def radiance_of_watts(area: float) -> float:
-    """What Cycles makes of each watt of an area light. Before 4.0 it took the half space for a sphere's quarter."""
-    return 1.0 / ((math.pi if bpy.app.version >= (4, 0, 0) else 4.0) * area)
+    """What Cycles makes of each watt of an area light: what sends one watt, or before 4.0 pi / 4 of that."""
+    return 1.0 / ((4.0 if bpy.app.version < (4, 0, 0) else math.pi) * area)
 
 
 def point_light_habits(light: Any) -> dict[str, bool]:
@@ -86,7 +87,7 @@ def reflectance(principled: Any) -> float:
 def metals_have_an_index() -> bool:
     """Whether Cycles lets a Principled metal rise to white as its dielectric layer does, as before 4.0. From there on
     a metal has the F82 model (Kutz, Hasan and Edmondson 2021), which with a white edge is Schlick's curve."""
-    return bpy.app.version < (4, 0, 0)
+    return bool(bpy.app.version < (4, 0, 0))
 
 
 def uses_nodes(owner: Any) -> bool:
