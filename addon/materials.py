@@ -88,7 +88,7 @@ def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
     # One curve has to do for both layers: of those that differ, that of the one which there is more of.
     curved = metallic <= 0.5 or compat.metals_have_an_index()
     surface = Surface((1.0 - metallic) * colour, reflectance, 1.0, index_of(plain) if curved else 0.0)
-    if reflectance.max() <= 0.0:
+    if reflectance.max() <= 0.0 and surface.index == 1.0:  # not even at the edge, as a black metal does
         return Surface(surface.albedo)
     anisotropy = value_of(shader, "Anisotropic", owner, [])
     if anisotropy > 0.0 and value_of(shader, "Anisotropic Rotation", owner, []) > 0.0:

@@ -104,8 +104,9 @@ in range.
 >>> square = np.array([[-1, -1, 1], [-1, 1, 1], [1, 1, 1], [1, -1, 1]])
 >>> [round(float(microfacet_polygon(square, [0, 0, 1], alpha)), 3) for alpha in (0.01, 0.1, 0.5)]
 [0.999, 0.952, 0.432]
->>> [round(float(microfacet_polygon(square, [0, 0, 1], 0.1, f0=0.04, index=index)), 3) for index in (0, 1, 1.5)]
-[0.038, 0.038, 0.038]
+>>> wall = np.array([[-1, 3, 0.2], [1, 3, 0.2], [1, 3, 1.2], [-1, 3, 1.2]])
+>>> [round(float(microfacet_polygon(wall, [0, -3, 0.7], 0.1, f0=0.04, index=index)), 3) for index in (0, 1, 1.5)]
+[0.169, 0.023, 0.165]
 )");
     m.def("microfacet_sphere", &sphere, py::arg("centre"), py::arg("radius"), py::arg("view"), py::arg("alpha"),
           py::arg("brdf") = "ggx", py::arg("f0") = 1.0, py::arg("index") = 0.0,

@@ -102,8 +102,9 @@ def test_level() -> None:
 
 
 def test_metal() -> None:
-    for specular in (0.0, 0.5):
-        require(0.045, Metallic=1.0, Base_Color=(0.3, 0.3, 0.3, 1.0), **index(specular))
+    """In grey, where before 4.0 without Specular it is as grey at the edge; and in black, which leaves but the edge."""
+    for specular, grey in ((0.0, 0.3), (0.5, 0.0)):
+        require(0.045, Metallic=1.0, Base_Color=(grey, grey, grey, 1.0), **index(specular))
 
 
 harness.main()
