@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import bpy
@@ -42,10 +43,31 @@ def light_colour(light: Any) -> NDArray[np.float64]:
     return colour
 
 
-def point_light_habits() -> dict[str, bool]:
-    """How Cycles takes the lights of this Blender: before 4.0 a soft point is a disk, and a spot dims by its cosine."""
+def size_factor(light: Any, area: float = 0.0) -> float:
+    """What Cycles multiplies a light by where 'Normalize' is off, as it can be from 4.5 on: the area over which it would
+    else spread its strength. `area` is that of an area light, scaled; those of points and suns know no scale."""
+    if getattr(light, "normalize", True):
+        return 1.0
+    if light.type == "AREA":
+        return area
+    if light.type == "SUN":
+        sine = math.sin(0.5 * light.angle)
+        return math.pi * sine * sine if sine > 0.0 else 1.0
+    # A point without a radius counts as 4, so that what is left of its 1 / 4 pi is 1 / pi.
+    radius = float(light.shadow_soft_size)
+    return 4.0 * math.pi * radius * radius if radius > 0.0 else 4.0
+
+
+def radiance_of_watts(area: float) -> float:
+    """What Cycles makes of each watt of an area light: what sends one watt, or before 4.0 pi / 4 of that."""
+    return 1.0 / ((4.0 if bpy.app.version < (4, 0, 0) else math.pi) * area)
+
+
+def point_light_habits(light: Any) -> dict[str, bool]:
+    """How Cycles takes a point or spot light: a soft one as a disk that faces what it lights, always before 4.0 and
+    where it says so from 4.1 on; and before 4.0 a spot dims by its cosine."""
     old = bpy.app.version < (4, 0, 0)
-    return {"facing_disk": old, "spot_cosine": old}
+    return {"facing_disk": old or bool(getattr(light, "use_soft_falloff", False)), "spot_cosine": old}
 
 
 def masks_apart() -> float:
@@ -56,12 +78,16 @@ def masks_apart() -> float:
 def reflectance(principled: Any) -> float:
     """Of light from straight on, of the dielectric layer of a Principled BSDF."""
     if "Specular IOR Level" in principled.inputs:  # 4.0: a factor of what the index of refraction gives
-        index = float(principled.inputs["IOR"].default_value)
-        return (
-            min(2.0 * float(principled.inputs["Specular IOR Level"].default_value), 2.0)
-            * ((index - 1.0) / (index + 1.0)) ** 2
-        )
-    return 0.08 * float(principled.inputs["Specular"].default_value)
+        index = max(float(principled.inputs["IOR"].default_value), 1e-5)
+        level = float(np.clip(principled.inputs["Specular IOR Level"].default_value, 0.0, 1.0))
+        return min(2.0 * level * ((index - 1.0) / (index + 1.0)) ** 2, 1.0)
+    return 0.08 * float(np.clip(principled.inputs["Specular"].default_value, 0.0, 1.0))
+
+
+def metals_have_an_index() -> bool:
+    """Whether Cycles lets a Principled metal rise to white as its dielectric layer does, as before 4.0. From there on
+    a metal has the F82 model (Kutz, Hasan and Edmondson 2021), which with a white edge is Schlick's curve."""
+    return bool(bpy.app.version < (4, 0, 0))
 
 
 def emission_socket(principled: Any) -> str:

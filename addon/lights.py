@@ -20,16 +20,14 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
         return False
     colour = np.maximum(colour, 0.0)
     forwards = -matrix[:3, 2]
-    if not getattr(light, "normalize", True):
-        notices.append(f"{thing.name}: 'Normalize' off is not followed; its power is taken as watts")
     if light.type == "SUN":
-        scene.add_sun(forwards, colour, min(float(light.angle), 3.1415))
+        scene.add_sun(forwards, colour * compat.size_factor(light), min(float(light.angle), 3.1415))
     elif light.type == "AREA":
         add_area(scene, light, matrix, colour)
     else:
         cone = {"cone": float(light.spot_size), "blend": float(light.spot_blend)} if light.type == "SPOT" else {}
         # Watts over all directions, though a spot sends them into some.
-        intensity, habits = colour / (4.0 * math.pi), compat.point_light_habits()
+        intensity, habits = colour * compat.size_factor(light) / (4.0 * math.pi), compat.point_light_habits(light)
         scene.add_point(matrix[:3, 3], intensity, float(light.shadow_soft_size), forwards, **cone, **habits)
     return True
 
@@ -42,8 +40,8 @@ def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArra
     area = (math.pi if ellipse else 4.0) * float(np.linalg.norm(across) * np.linalg.norm(up))
     if area < 1e-12:
         raise ValueError(f"its size {light.size:g} x {size_y:g}, scaled, leaves it no area")
-    # Cycles gives a lamp of P watts the radiance P / 4A, and with a grid before it as much more as keeps its power.
-    radiance = colour / (4.0 * area)
+    # A grid before it makes it as much brighter as keeps its power.
+    radiance = colour * compat.size_factor(light, area) * compat.radiance_of_watts(area)
     spread = min(float(light.spread), math.pi)
     if spread < math.pi - 1e-4:
         tangent = math.tan(0.5 * spread)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -51,12 +52,13 @@ class Surface:
     albedo: NDArray[np.float64]
     reflectance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     edge: float = 0.0
+    index: float = 0.0
     alpha: tuple[float, float] = (0.0, 0.0)
     emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
     @property
     def gloss(self) -> tuple[float, ...]:
-        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart())
+        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart(), self.index)
 
 
 def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
@@ -64,6 +66,12 @@ def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
     alpha = max(min(roughness, 1.0), 0.1) ** 2
     aspect = float(np.sqrt(1.0 - 0.9 * np.clip(anisotropy, 0.0, 1.0)))
     return min(alpha / aspect, 1.0), alpha * aspect
+
+
+def index_of(reflectance: float) -> float:
+    """The index of refraction that reflects so much of light from straight on."""
+    root = math.sqrt(min(max(reflectance, 0.0), 0.99))
+    return (1.0 + root) / (1.0 - root)
 
 
 def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
@@ -79,8 +87,11 @@ def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
     reflectance = (1.0 - metallic) * plain + metallic * colour
     glow = value_of(shader, compat.emission_socket(shader), owner, notices)
     emission = np.maximum(glow * value_of(shader, "Emission Strength", owner, notices), 0.0)
-    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0, emission=emission)
-    if reflectance.max() <= 0.0:
+    # One curve has to do for both layers: of those that differ, that of the one which there is more of.
+    curved = metallic <= 0.5 or compat.metals_have_an_index()
+    index = index_of(plain) if curved else 0.0
+    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0, index, emission=emission)
+    if reflectance.max() <= 0.0 and surface.index == 1.0:  # not even at the edge, as a black metal does
         return Surface(surface.albedo, emission=emission)
     anisotropy = value_of(shader, "Anisotropic", owner, [])
     if anisotropy > 0.0 and value_of(shader, "Anisotropic Rotation", owner, []) > 0.0:
@@ -112,7 +123,7 @@ def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
         roughness = value_of(shader, "Roughness", owner, notices)
         anisotropy = shader.inputs.get("Anisotropy")
         twist = 0.0 if anisotropy is None else float(anisotropy.default_value)
-        return Surface(np.zeros(3), value_of(shader, "Color", owner, notices), 0.0, alphas(roughness, twist))
+        return Surface(np.zeros(3), value_of(shader, "Color", owner, notices), alpha=alphas(roughness, twist))
     notices.append(f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour")
     return Surface(np.array(material.diffuse_color[:3]))
 

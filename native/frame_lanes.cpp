@@ -21,7 +21,7 @@ struct Surface {
     bool glossy = false; // whether any lane is
     Plane tangents;      // x the direction of alpha_x; set where glossy
     vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
-    Real edge, alpha_x, alpha_y, apart;
+    Real edge, alpha_x, alpha_y, apart, index;
     vec3 emission;
 };
 
@@ -115,7 +115,8 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     surface.alpha_x = property(7);
     surface.alpha_y = property(8);
     surface.apart = property(9);
-    surface.emission = {property(10), property(11), property(12)};
+    surface.index = property(10);
+    surface.emission = {property(11), property(12), property(13)};
     surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
     if (surface.glossy) {
         surface.tangents = plane_across(surface.normal);
@@ -196,6 +197,7 @@ void pack(const Surface &surface, const vec3 &point, const vec3 &direction, Shad
     surface.alpha_x.store_aligned(packet.alpha_x);
     surface.alpha_y.store_aligned(packet.alpha_y);
     surface.apart.store_aligned(packet.apart);
+    surface.index.store_aligned(packet.index);
 }
 
 // The share of a light that reaches a surface: past solids, asked for one point of the light, and through the smoke.
@@ -230,7 +232,7 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
     for (const LightView &light : frame.lights) {
         shade(light, packed);
         const Real diffuse = Real::load_aligned(packed.diffuse), plain = Real::load_aligned(packed.plain);
-        const Real schlick = Real::load_aligned(packed.schlick);
+        const Real fresnel = Real::load_aligned(packed.fresnel);
         const Mask lit = surface.hit & ((diffuse > 0.0F) | (plain > 0.0F));
         const bool any_lit = xsimd::any(lit);
         if (picture && !any_lit) {
@@ -255,7 +257,7 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
             if (picture) {
                 const Real edge = surface.edge * (1.0F - reflectances[c]);
                 const Real sent =
-                    (albedos[c] * diffuse + reflectances[c] * plain + edge * schlick) * (visible * light.strength[c]);
+                    (albedos[c] * diffuse + reflectances[c] * plain + edge * fresnel) * (visible * light.strength[c]);
                 out.open[c] = out.open[c] + sent;
                 out.shadowed[c] = out.shadowed[c] + sent * through[c];
                 continue;

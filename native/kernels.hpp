@@ -127,14 +127,14 @@ struct LightSlice {
     int z = 0;
 };
 
-constexpr int MATERIAL_FLOATS = 13;
+constexpr int MATERIAL_FLOATS = 14;
 
 // The triangles' attributes, indexed by Embree's primitive number.
 struct SurfaceView {
     RTCScene scene = nullptr;
     const float *corner_normals = nullptr;  // nine floats a triangle
     const std::int32_t *material = nullptr; // one a triangle
-    // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, emission
+    // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, index, emission
     const float *properties = nullptr;
     const float *corner_tangents = nullptr; // nine floats a triangle; null where no mesh has any
 };

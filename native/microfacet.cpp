@@ -28,8 +28,8 @@ namespace {
 template <typename Number>
 void mix(std::vector<Number> &out, Number f0) {
     for (std::size_t i = 0; 2 * i < out.size(); ++i) {
-        const Number plain = out[2 * i], schlick = out[2 * i + 1];
-        out[i] = f0 * (plain - schlick) + schlick;
+        const Number plain = out[2 * i], fresnel = out[2 * i + 1];
+        out[i] = f0 * (plain - fresnel) + fresnel;
     }
     out.resize(out.size() / 2);
 }

@@ -22,7 +22,8 @@ struct MicrofacetBatch {
     std::size_t width = 0;                  // numbers a light
     const std::int32_t *vertices = nullptr; // of each polygon, or null where all have width / 3
     PerLight<Number> view, alpha;           // alpha_x and alpha_y
-    // Two numbers a light: all that is reflected for F = 1, and the same weighted by (1 - v.h)^5.
+    Number index = 0;                       // of refraction, for Fresnel's curve; 0: Schlick's
+    // Two numbers a light: all that is reflected for F = 1, and the same weighted by Fresnel's share of v.h.
     Number *out = nullptr;
 };
 
@@ -30,7 +31,7 @@ struct MicrofacetBatch {
 void reflect(const MicrofacetBatch<float> &batch);
 void reflect(const MicrofacetBatch<double> &batch);
 
-// The pairs of `out` as Schlick's Fresnel mixes them, one number a light.
+// The pairs of `out` as a reflectance of `f0` straight on mixes them, one number a light.
 void mix_fresnel(std::vector<float> &out, float f0);
 void mix_fresnel(std::vector<double> &out, double f0);
 

@@ -100,6 +100,12 @@ void require_range(const py::array_t<Number, Flags> &array, std::type_identity_t
     }
 }
 
+// Of refraction: 0 asks for Schlick's curve, and no material that reflects as a dielectric has more than 1000.
+constexpr const char *INDEX_RANGE = "0 or lie between 1 and 1000";
+inline bool is_index(double value) {
+    return value == 0.0 || (value >= 1.0 && value <= 1000.0);
+}
+
 // Indices into something that has `count` members. Doubles hold every index that fits in memory, and, unlike
 // integers, what a caller wrote by mistake.
 inline std::vector<std::uint32_t> indices(const Doubles &array, py::ssize_t count, const std::string &name) {

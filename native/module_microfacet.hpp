@@ -101,9 +101,16 @@ struct EllipseLights {
     std::vector<Number> numbers;
 };
 
-inline double checked_f0(double f0) {
-    require_range(f0, 0.0, 1.0, "f0");
-    return f0;
-}
+// How reflectance depends on the angle: where it begins, and along which curve it rises.
+struct Fresnel {
+    Fresnel(double given_f0, double given_index) : f0(given_f0), index(given_index) {
+        require_range(f0, 0.0, 1.0, "f0");
+        if (!is_index(index)) {
+            throw py::value_error("index is " + text(index) + ", but must be " + INDEX_RANGE);
+        }
+    }
+
+    double f0, index;
+};
 
 } // namespace sfumato::arguments

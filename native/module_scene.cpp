@@ -14,6 +14,26 @@ namespace {
 
 using namespace arguments;
 
+// Rows of seven numbers in [0, 1] and an index of refraction.
+std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
+    constexpr py::ssize_t WIDTH = 8;
+    require_shape(array, {count, WIDTH}, "gloss");
+    std::vector<Gloss> out;
+    for (py::ssize_t first = 0; first < array.size(); first += WIDTH) {
+        const float *row = array.data() + first;
+        for (py::ssize_t k = 0; k < WIDTH; ++k) {
+            const bool last = k == WIDTH - 1;
+            if (last ? !is_index(row[k]) : !(row[k] >= 0.0F && row[k] <= 1.0F)) {
+                throw py::value_error("gloss holds " + text(row[k]) + " at flat index " + text(first + k) + "; " +
+                                      (last ? "an index of refraction must be " + std::string(INDEX_RANGE)
+                                            : "every value but the index of refraction must lie between 0 and 1"));
+            }
+        }
+        out.push_back({{row[0], row[1], row[2]}, row[3], row[7], {row[4], row[5]}, row[6] > 0.0F});
+    }
+    return out;
+}
+
 void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
               const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
               const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission) {
@@ -36,11 +56,7 @@ void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, co
     vectors(vertices, mesh.vertices);
     vectors(albedo, mesh.albedo);
     if (gloss) {
-        require_shape(*gloss, {albedo.shape(0), 7}, "gloss");
-        require_range(*gloss, 0.0F, 1.0F, "gloss");
-        for (const float *row = gloss->data(); row != gloss->data() + gloss->size(); row += 7) {
-            mesh.gloss.push_back({{row[0], row[1], row[2]}, row[3], {row[4], row[5]}, row[6] > 0.0F});
-        }
+        mesh.gloss = glosses(*gloss, albedo.shape(0));
     }
     if (corner_tangents) {
         require_shape(*corner_tangents, {count, 3, 3}, "corner_tangents");
@@ -218,12 +234,13 @@ void bind_scene(py::module_ &m) {
              R"(Add triangles that reflect diffusely, and with gloss.
 
 vertices (n, 3), metres in world space; triangles (m, 3), indices into vertices; corner_normals (m, 3, 3), unit
-length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 7) in [0, 1]: the reflectance of light
-from straight on (3), 1 where all light is reflected at grazing angles (Schlick 1994) and 0 where it is no more than
-straight on, GGX's alpha along the tangent and across it, both 0 for no gloss, and 1 where masking and shadowing are
-independent (Smith's two G1) and 0 where they go by height (Heitz 2014, eq 99); corner_tangents (m, 3, 3). emission
-(k, 3), the radiance in W/(m^2 sr) that the surface sends to the eye by itself; what it lights, add_polygon does.
-Raises ValueError for wrong shapes, indices out of range and values that are not finite.
+length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 8): in [0, 1] the reflectance of light
+from straight on (3), 1 where all light is reflected at grazing angles and 0 where it is no more than straight on, GGX's
+alpha along the tangent and across it, both 0 for no gloss, and 1 where masking and shadowing are independent (Smith's
+two G1) and 0 where they go by height (Heitz 2014, eq 99); last, the index of refraction of microfacet_polygon, by which
+reflectance rises between straight on and grazing. corner_tangents (m, 3, 3). emission (k, 3), the radiance in
+W/(m^2 sr) that the surface sends to the eye by itself; what it lights, add_polygon does.
+Raises ValueError for wrong shapes, indices out of range and values that are not finite or not in range.
 
 >>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])
 )")

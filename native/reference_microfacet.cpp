@@ -83,8 +83,8 @@ double density(const RoughSurface &s, const dvec3 &h) {
     }
 }
 
-Pair with_fresnel(double value, double cosine) {
-    return {value, value * std::pow(std::max(1.0 - cosine, 0.0), 5)};
+Pair with_fresnel(const RoughSurface &s, double value, double cosine) {
+    return {value, value * fresnel_share(cosine, s.index)};
 }
 
 // ---- Outlines ----
@@ -178,7 +178,7 @@ Pair along_ray(const RoughSurface &s, double cosine, double sine, double r) {
         const dvec3 i = 2.0 * along * h - s.view;
         if (i.z > 0.0) {
             const double weight = masked(s, i) * along / (s.view.z * h.z);
-            sum = sum + (0.5 * end * gauss.w[k] * fall) * with_fresnel(weight, along);
+            sum = sum + (0.5 * end * gauss.w[k] * fall) * with_fresnel(s, weight, along);
         }
     }
     return 1.0 / std::max(r * r, 1e-300) * sum;
@@ -279,12 +279,30 @@ Pair element(const RoughSurface &s, const dvec3 &x, const dvec3 &area) {
 
 } // namespace
 
+double fresnel_share(double cosine, double index) {
+    const double c = std::clamp(cosine, 0.0, 1.0);
+    if (index == 0.0) {
+        return std::pow(1.0 - c, 5);
+    }
+    if (index == 1.0) {
+        return 0.0; // nothing is reflected, nor does anything change at grazing angles but at 0
+    }
+    // Snell's law, and the amplitudes across the plane of incidence and in it.
+    const double refracted = std::sqrt(1.0 - (1.0 - c * c) / (index * index));
+    const double across = (c - index * refracted) / (c + index * refracted);
+    const double within = (index * c - refracted) / (index * c + refracted);
+    const double straight_on = (index - 1.0) / (index + 1.0), f0 = straight_on * straight_on;
+    // From an index of 2 + sqrt 3 on, the latter falls at first faster than the former rises: no share is negative.
+    return std::max((0.5 * (across * across + within * within) - f0) / (1.0 - f0), 0.0);
+}
+
 std::array<double, 2> rough_reflection(const RoughSurface &surface, const dvec3 &i) {
     if (!(i.z > 0.0)) {
         return {0.0, 0.0};
     }
     const dvec3 h = glm::normalize(i + surface.view);
-    return with_fresnel(density(surface, h) * masked(surface, i) / (4.0 * surface.view.z), glm::dot(h, surface.view));
+    const double value = density(surface, h) * masked(surface, i) / (4.0 * surface.view.z);
+    return with_fresnel(surface, value, glm::dot(h, surface.view));
 }
 
 DiskLight disk_of_sphere(const dvec3 &centre, double radius) {

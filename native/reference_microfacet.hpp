@@ -12,19 +12,24 @@ namespace sfumato::reference {
 enum class Facets { GGX, BECKMANN, BLINN_PHONG };
 
 // A rough surface in its own frame, z the normal, and the unit vector to the eye, above it.
-// Smith's masking, height-correlated; Blinn's exponent is 2 / alpha_x^2 - 2.
+// Smith's masking, height-correlated; Blinn's exponent is 2 / alpha_x^2 - 2. `index` is the index of refraction whose
+// reflectance the share below follows, or 0 for Schlick's (1 - v.h)^5.
 struct RoughSurface {
     Facets facets = Facets::GGX;
     double alpha_x = 0.1, alpha_y = 0.1;
     glm::dvec3 view{0.0, 0.0, 1.0};
+    double index = 0.0;
 };
 
-// The BRDF times n.i for F = 1 and for F = (1 - v.h)^5; zeros below the horizon.
+// How much of the way from its value straight on to 1 the reflectance has risen at an angle.
+double fresnel_share(double cosine, double index);
+
+// The BRDF times n.i for F = 1 and for F = fresnel_share(v.h); zeros below the horizon.
 std::array<double, 2> rough_reflection(const RoughSurface &surface, const glm::dvec3 &i);
 
-// By Schlick's Fresnel, from such a pair.
-inline double with_f0(double plain, double schlick, double f0) {
-    return f0 * plain + (1.0 - f0) * schlick;
+// For a reflectance of f0 straight on, from such a pair.
+inline double with_f0(double plain, double fresnel, double f0) {
+    return f0 * plain + (1.0 - f0) * fresnel;
 }
 
 // Convex polygons seen from the origin, of radiance 1; ellipses by centre and half axes. A sphere looks like the

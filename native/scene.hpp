@@ -15,7 +15,9 @@ namespace sfumato {
 // A layer that reflects like a mirror broken into facets: GGX (Walter et al. 2007) with Smith's shadowing.
 struct Gloss {
     glm::vec3 reflectance{0.0F}; // of light from straight on
-    float edge = 0.0F;           // 1: at grazing angles all is reflected (Schlick 1994); 0: no more than straight on
+    float edge = 0.0F;           // 1: at grazing angles all is reflected; 0: no more than straight on
+    // Of refraction, from 1 on: from straight on to the edge, reflectance rises as a dielectric's. 0: Schlick's (1994).
+    float index = 0.0F;
     std::array<float, 2> alpha{0, 0}; // slopes along the tangent and across it; the square of an artist's roughness
     // A habit of older renderers: what masks and what shadows a facet know nothing of each other (the product of
     // Smith's two G1), where they go by its height (Heitz 2014, eq 99).

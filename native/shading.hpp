@@ -12,12 +12,12 @@ struct ShadingPacket {
     alignas(64) float tangent[3][MAX_LANES]; // the direction of alpha_x
     alignas(64) float bitangent[3][MAX_LANES];
     alignas(64) float direction[3][MAX_LANES]; // of the view ray
-    alignas(64) float alpha_x[MAX_LANES], alpha_y[MAX_LANES], apart[MAX_LANES];
+    alignas(64) float alpha_x[MAX_LANES], alpha_y[MAX_LANES], apart[MAX_LANES], index[MAX_LANES];
     bool glossy = false; // whether any lane is
 
     // For a light of strength 1: what a white diffuse surface sends to the eye, and what gloss does, for a reflectance
-    // of 1 and for Schlick's share of it.
-    alignas(64) float diffuse[MAX_LANES], plain[MAX_LANES], schlick[MAX_LANES];
+    // of 1 and for Fresnel's share of it.
+    alignas(64) float diffuse[MAX_LANES], plain[MAX_LANES], fresnel[MAX_LANES];
 };
 
 namespace SFUMATO_ISA {

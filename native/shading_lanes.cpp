@@ -16,24 +16,26 @@ struct Shading {
 };
 
 Shading scaled(const Shading &s, Real by) {
-    return {s.diffuse * by, {s.gloss.plain * by, s.gloss.schlick * by}};
+    return {s.diffuse * by, {s.gloss.plain * by, s.gloss.fresnel * by}};
 }
 
 // A surface as closed forms want it: with the shading point at the origin, gloss in a frame of its own.
 struct Receiver {
     vec3 point, normal, tangent, bitangent;
     vec3 view; // towards the eye, in the surface's frame
-    Real alpha_x, alpha_y, apart;
+    Real alpha_x, alpha_y, apart, index;
     bool glossy;
 
     explicit Receiver(const ShadingPacket &p)
         : point(load(p.point)), normal(load(p.normal)), tangent(load(p.tangent)), bitangent(load(p.bitangent)),
           view(local(-load(p.direction))), alpha_x(Real::load_aligned(p.alpha_x)),
-          alpha_y(Real::load_aligned(p.alpha_y)), apart(Real::load_aligned(p.apart)), glossy(p.glossy) {}
+          alpha_y(Real::load_aligned(p.alpha_y)), apart(Real::load_aligned(p.apart)),
+          index(Real::load_aligned(p.index)), glossy(p.glossy) {}
 
     [[nodiscard]] Microfacets facets() const {
         Microfacets m = microfacets(BRDF_GGX, view, alpha_x, alpha_y);
         m.apart = apart;
+        m.index = index;
         return m;
     }
 
@@ -188,7 +190,7 @@ Shading dimmed(const Receiver &r, const Plate &plate, const Shading &whole, cons
     const Microfacets m = r.facets();
     const Real gloss = mean_fade(plate, seen_by_gloss(r, plate), fade,
                                  [&](const vec3 &towards) { return microfacet_reflection(m, towards).plain; });
-    return {whole.diffuse * diffuse, {whole.gloss.plain * gloss, whole.gloss.schlick * gloss}};
+    return {whole.diffuse * diffuse, {whole.gloss.plain * gloss, whole.gloss.fresnel * gloss}};
 }
 
 Shading shading_of(const Receiver &r, const LightView &light) {
@@ -238,7 +240,7 @@ void shade(const LightView &light, ShadingPacket &packet) {
     const Shading shading = shading_of(Receiver(packet), light);
     shading.diffuse.store_aligned(packet.diffuse);
     shading.gloss.plain.store_aligned(packet.plain);
-    shading.gloss.schlick.store_aligned(packet.schlick);
+    shading.gloss.fresnel.store_aligned(packet.fresnel);
 }
 
 } // namespace sfumato::SFUMATO_ISA

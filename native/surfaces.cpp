@@ -60,9 +60,9 @@ Surfaces::Surfaces(std::span<const Mesh> meshes) {
             const Gloss gloss = i < mesh.gloss.size() ? mesh.gloss[i] : Gloss{};
             const glm::vec3 &f0 = gloss.reflectance;
             const glm::vec3 emission = i < mesh.emission.size() ? mesh.emission[i] : glm::vec3(0.0F);
-            properties_.insert(properties_.end(),
-                               {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge, gloss.alpha[0],
-                                gloss.alpha[1], gloss.apart ? 1.0F : 0.0F, emission.x, emission.y, emission.z});
+            properties_.insert(properties_.end(), {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge,
+                                                   gloss.alpha[0], gloss.alpha[1], gloss.apart ? 1.0F : 0.0F,
+                                                   gloss.index, emission.x, emission.y, emission.z});
         }
     }
     rtcCommitGeometry(geometry);

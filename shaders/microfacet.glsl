@@ -7,16 +7,17 @@
 // D: Trowbridge and Reitz (1975, GGX); Beckmann (1963); Blinn (1977) with exponent 2/alpha^2 - 2. Masking: Smith's,
 // height-correlated (Heitz, "Understanding the Masking-Shadowing Function", 2014, eq 99) as in EEVEE and in the tables
 // of Heitz et al. (2016), or, as Cycles 3.4 has it, the product of two G1 (`apart`). Lambda of Beckmann, and with it that of Blinn, is the
-// rational fit of Walter et al. (2007). Fresnel: Schlick (1994), split so that one integral serves every colour.
+// rational fit of Walter et al. (2007). Fresnel's reflectance rises from F0, straight on, to 1 along one curve for all colours:
+// F0 + (1 - F0) fresnel_share. So two integrals serve every colour.
 
 #define BRDF_GGX 0
 #define BRDF_BECKMANN 1
 #define BRDF_BLINN_PHONG 2
 
-// int f_{F=1} cos dw, and the same weighted by (1 - v.h)^5: F0 (plain - schlick) + schlick is reflected.
+// int f_{F=1} cos dw, and the same weighted by fresnel_share of v.h: F0 (plain - fresnel) + fresnel is reflected.
 struct Reflection {
   float plain;
-  float schlick;
+  float fresnel;
 };
 
 #define ALPHA_MIN 0.01f
@@ -34,6 +35,7 @@ struct Microfacets {
   vec3 weight;  // squash * view
   float view_reach;
   float apart; // 0, or 1 for masking and shadowing that know nothing of each other
+  float index; // of refraction, as fresnel_share has it
   float size2;  // of what it was made of, for if_finite
   Poles poles; // of the lobe, where it is not GGX; on the sphere of p
 };
@@ -73,6 +75,7 @@ Microfacets microfacets(int brdf, vec3 view, float alpha_x, float alpha_y)
   m.weight = times(m.squash, m.view);
   m.view_reach = reach(brdf, m.rough, m.view);
   m.apart = 0.0f;
+  m.index = 0.0f;
   m.size2 = dot(view, view) + alpha_x * alpha_x + alpha_y * alpha_y;
   // B of two_poles is a square of a tangent of theta.
   m.poles = two_poles(exponent);
@@ -97,7 +100,23 @@ float normal_density(Microfacets m, vec3 h)
   return k * exp((1.0f / (m.rough.x * m.rough.x) - 1.0f) * log(z2));
 }
 
-// F and G2 / n.v, for F = 1 and for (1 - v.h)^5, where the half vector is squash * p.
+// How far Fresnel's reflectance has risen from straight on, 0, to grazing, 1. Where `index` is 1 or more: of a dielectric
+// of that index of refraction, unpolarised (Fresnel 1823; in the form of Walter et al. 2007, eq 22, their g - c taken
+// as (index^2 - 1) / (g + c), which does not cancel at an index near 1, and over one denominator). Where index is 0:
+// (1 - cosine)^5 (Schlick 1994).
+float fresnel_share(float cosine, float index)
+{
+  float c = clamp(cosine, 0.0f, 1.0f), n = max(index, 1.0f), miss = 1.0f - c;
+  float steep = (n - 1.0f) * (n + 1.0f), g = sqrt(steep + c * c), sum = g + c;
+  float over = sum * (c * sum - 1.0f), under = c * steep + sum, whole = sum * sum * under;
+  float reflectance = 0.5f * steep * steep * (under * under + over * over) / max(whole * whole, TINY);
+  // What depends on the index alone is the same at every node.
+  float straight_on = (n - 1.0f) / (n + 1.0f), rise = (n + 1.0f) * (n + 1.0f) / (4.0f * n);
+  float exact = clamp((reflectance - straight_on * straight_on) * rise, 0.0f, 1.0f);
+  return pick(index > 0.5f, exact, miss * miss * miss * miss * miss);
+}
+
+// F and G2 / n.v, for F = 1 and for fresnel_share, where the half vector is squash * p.
 Reflection masking(Microfacets m, vec3 p)
 {
   vec3 h = times(m.squash, p);
@@ -106,13 +125,12 @@ Reflection masking(Microfacets m, vec3 p)
   float two = 2.0f * along * inverse;
   vec3 i = h * two - m.view;
   i.z = max(i.z, 0.0f);
-  float miss = clamp(1.0f - along, 0.0f, 1.0f);
   // 1 / G2 = 1 + Lambda(v) + Lambda(i), or (1 + Lambda(v)) (1 + Lambda(i)), times n.v and n.i.
   float shadowed = reach(m.brdf, m.rough, i);
   float both = m.apart * (m.view_reach - m.view.z) * (shadowed - i.z);
   Reflection g;
   g.plain = i.z / max(m.view_reach * i.z + m.view.z * (shadowed - i.z) + both, TINY);
-  g.schlick = g.plain * miss * miss * miss * miss * miss;
+  g.fresnel = g.plain * fresnel_share(along, m.index);
   return g;
 }
 
@@ -123,7 +141,7 @@ Reflection microfacet_reflection(Microfacets m, vec3 i)
   Reflection f = masking(m, times(m.stretch, h));
   float lobe = 0.25f * normal_density(m, h) * pick(i.z > 0.0f, 1.0f, 0.0f);
   f.plain = f.plain * lobe;
-  f.schlick = f.schlick * lobe;
+  f.fresnel = f.fresnel * lobe;
   return f;
 }
 
@@ -290,7 +308,7 @@ struct Mean {
   float apex_lobe;
   float weight;
   float plain;
-  float schlick;
+  float fresnel;
   float most; // masking at any node: the mean is no higher
 };
 
@@ -307,7 +325,7 @@ Mean mean_about(Microfacets m, vec3 middle)
   }
   mean.weight = 0.0f;
   mean.plain = 0.0f;
-  mean.schlick = 0.0f;
+  mean.fresnel = 0.0f;
   mean.most = mean.at_apex.plain;
   return mean;
 }
@@ -326,7 +344,7 @@ Mean with_node(Mean mean, Microfacets m, ArcNode node)
   }
   mean.weight = mean.weight + at_apex + at_node;
   mean.plain = mean.plain + at_apex * mean.at_apex.plain + at_node * g.plain;
-  mean.schlick = mean.schlick + at_apex * mean.at_apex.schlick + at_node * g.schlick;
+  mean.fresnel = mean.fresnel + at_apex * mean.at_apex.fresnel + at_node * g.fresnel;
   mean.most = max(mean.most, g.plain);
   return mean;
 }
@@ -345,7 +363,7 @@ Reflection reflected(Microfacets m, float size2, Mean mean, float flux)
   Reflection light;
   // Energy: a surface lit by radiance 1 from everywhere sends no more.
   light.plain = if_finite(m.size2 + size2, min(amount * plain, 1.0f));
-  light.schlick = min(if_finite(m.size2 + size2, amount * min(max(mean.schlick * k, 0.0f), plain)), light.plain);
+  light.fresnel = min(if_finite(m.size2 + size2, amount * min(max(mean.fresnel * k, 0.0f), plain)), light.plain);
   return light;
 }
 

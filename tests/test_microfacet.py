@@ -93,6 +93,40 @@ def test_fresnel_agrees_with_the_reference(f0: float) -> None:
     assert np.sqrt(np.mean(error**2)) / np.ptp(exact) < 0.004
 
 
+INDICES = (0.0, 1.2, 1.45, 2.0)
+
+
+@pytest.mark.parametrize("index", INDICES)
+@pytest.mark.parametrize("highest, most", [(1.0, 0.003), (0.2, 0.007)])
+def test_the_share_of_fresnel_is_that_of_the_reference(index: float, highest: float, most: float) -> None:
+    """The share alone (f0 = 0), over the range of what is reflected in all, at any angle and at grazing ones. With 3000
+    lights and indices of 0, 1.2, 1.45 and 2: 0.0019, 0.0015, 0.0017, 0.0017; grazing 0.0050, 0.0040, 0.0044, 0.0043.
+    """
+    lights = bench_microfacet.lit(1000, 11, (0.03, highest))
+    arguments = (lights.rectangles, lights.views, lights.alphas)
+    exact = sfumato.reference.microfacet_polygon(*arguments, f0=0.0, index=index)
+    error = sfumato.microfacet_polygon(*(x.astype(np.float32) for x in arguments), f0=0.0, index=index) - exact
+    assert np.sqrt(np.mean(error**2)) / np.ptp(lights.reference()) < most
+    other = sfumato.reference.microfacet_polygon(*arguments, f0=0.0, index=1.45 if index == 0.0 else 0.0)
+    assert np.abs(other - exact).max() > 0.01, "the curves differ"
+
+
+def test_round_lights_have_an_index() -> None:
+    view, alpha = [0.0, -0.95, 0.31], 0.3
+    for of, light in (("sphere", ([0, 3, 1], 0.5)), ("ellipse", ([0, 3, 1], [0.5, 0, 0], [0, 0.3, 0.4]))):
+        mine, judge = (getattr(module, f"microfacet_{of}") for module in (sfumato, sfumato.reference))
+        schlick, dielectric = (judge(*light, view, alpha, f0=0.04, index=index) for index in (0.0, 1.5))
+        assert mine(*light, view, alpha, f0=0.04, index=1.5) == pytest.approx(dielectric, rel=0.01)
+        assert schlick != pytest.approx(dielectric, rel=0.03)
+
+
+@pytest.mark.parametrize("brdf", ["ggx", "beckmann", "blinn-phong"])
+def test_without_a_boundary_only_f0_is_left(brdf: str) -> None:
+    view, black = [0.0, -0.9, 0.43], {"alpha": 0.4, "brdf": brdf, "index": 1.0}
+    assert rough(view=view, f0=0.0, **black) == 0.0
+    assert rough(view=view, f0=0.3, **black) == pytest.approx(0.3 * float(rough(view=view, f0=1.0, **black)), rel=1e-12)
+
+
 # ---- Shapes ----
 
 
@@ -172,6 +206,10 @@ def test_a_far_sphere_is_a_disk() -> None:
         ({"brdf": "phong"}, "brdf is 'phong'"),
         ({"f0": 1.2}, "f0 is 1.2"),
         ({"f0": np.nan}, "f0 is nan"),
+        ({"index": 0.9}, "index is 0.9, but must be 0 or lie between 1 and 1000"),
+        ({"index": -1.5}, "index is -1.5"),
+        ({"index": 2000.0}, "index is 2000"),
+        ({"index": np.nan}, "index is nan"),
     ],
 )
 def test_refusals(changes: dict[str, Any], message: str) -> None:

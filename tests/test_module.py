@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import doctest
 import inspect
+import math
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -284,6 +285,44 @@ def test_the_reference_judges_the_series() -> None:
     np.testing.assert_allclose(sfumato.reference.transmittance(depth, alpha, d), [1.0, 0.72, 0.504], rtol=1e-12)
 
 
+# ---- Gloss ----
+
+
+def share(cosine: float, index: float) -> float:
+    """How far reflectance has risen from straight on to grazing, by Snell's law and Fresnel's amplitudes."""
+    refracted = np.sqrt(1.0 - (1.0 - cosine**2) / index**2)
+    across = (cosine - index * refracted) / (cosine + index * refracted)
+    within = (index * cosine - refracted) / (index * cosine + refracted)
+    straight_on = ((index - 1.0) / (index + 1.0)) ** 2
+    return float((0.5 * (across**2 + within**2) - straight_on) / (1.0 - straight_on))
+
+
+def test_each_material_has_a_curve_of_its_own() -> None:
+    """A sun mirrored at a known angle by stripes of five materials, with the rise towards grazing and without."""
+    f0, turn = 0.04, math.radians(85.0)
+    curves = [0.0, 1.0, 1.2, 1.45, 2.0]
+    cosine = math.cos(0.5 * turn)
+    shares = [(1.0 - cosine) ** 5, 0.0, *(share(cosine, index) for index in curves[2:])]
+    stripes = np.linspace(-2.0, 2.0, 6)
+    corners = [[(a, -9, 0), (b, -9, 0), (b, 9, 0), (a, 9, 0)] for a, b in zip(stripes, stripes[1:])]
+
+    def seen(edge: float) -> Array:
+        scene = Scene()
+        scene.add_mesh(
+            vertices=np.reshape(corners, (-1, 3)),
+            triangles=[[4 * k, 4 * k + i, 4 * k + i + 1] for k in range(5) for i in (1, 2)],
+            corner_normals=np.broadcast_to([0.0, 0.0, 1.0], (10, 3, 3)),
+            material=np.repeat(np.arange(5), 2),
+            albedo=np.zeros((5, 3)),
+            gloss=[[f0, f0, f0, edge, 0.6, 0.6, 0.0, index] for index in curves],
+        )
+        scene.add_sun((math.sin(turn), 0, -math.cos(turn)), (1, 1, 1))
+        return picture(scene, width=35, height=3)[:, 3::7, 0]  # the middles of the stripes
+
+    rise = seen(1.0) / seen(0.0)
+    assert rise == pytest.approx(np.broadcast_to([1.0 + (1.0 - f0) / f0 * s for s in shares], (3, 5)), rel=1e-4)
+
+
 # ---- Refusals ----
 
 NAN, INF = float("nan"), float("inf")
@@ -341,6 +380,10 @@ REFUSALS: list[tuple[Callable[[], Any], str, str]] = [
     (wrong_mesh(vertices=[[NAN, 0, 0]] * 3), "vertices", "nan"),
     (wrong_mesh(vertices=[[0, 0, 0], [1, INF, 0], [0, 1, 0]]), "vertices", "inf at flat index 4"),
     (wrong_mesh(vertices=[[0, 0, 1e39]] * 3), "vertices", "inf"),  # beyond float32
+    (wrong_mesh(gloss=[[0.5] * 7]), "gloss", "(1, 7)"),
+    (wrong_mesh(gloss=[[0.5] * 7 + [0.9]]), "gloss", "0.9 at flat index 7"),
+    (wrong_mesh(gloss=[[0.5] * 7 + [NAN]]), "gloss", "nan at flat index 7"),
+    (wrong_mesh(gloss=[[0.5, 0.5, 0.5, 1.5, 0.5, 0.5, 0, 1.5]]), "gloss", "1.5 at flat index 3"),
     (wrong_mesh(triangles=[0, 1, 2]), "triangles", "(3)"),
     (wrong_mesh(triangles=[[0, 1, 3]]), "triangles", "3 at flat index 2"),
     (wrong_mesh(triangles=[[0, -1, 2]]), "triangles", "-1"),

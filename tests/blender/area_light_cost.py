@@ -57,7 +57,7 @@ Reflection ltc_quad(vec3 view, float alpha, vec3 a, vec3 b, vec3 c, vec3 d)
               ltc_edge(e0.leave + e1.leave + e2.leave + e3.leave, e0.enter + e1.enter + e2.enter + e3.enter);
   Reflection light;
   light.plain = abs(sum) * amount.x;
-  light.schlick = abs(sum) * amount.y;
+  light.fresnel = abs(sum) * amount.y;
   return light;
 }
 """

@@ -31,9 +31,9 @@ void main()
   for (int k = 0; k < repeats; ++k) {
     Reflection light;
     light.plain = 0.0f;
-    light.schlick = 0.0f;
+    light.fresnel = 0.0f;
     EVALUATE
-    sum += vec4(light.plain, light.schlick, 0.0f, 0.0f);
+    sum += vec4(light.plain, light.fresnel, 0.0f, 0.0f);
     a.x += 1e-3f; // so that no turn is like another
   }
   colour = sum;

@@ -91,6 +91,10 @@ FUNCTIONS = {
     "ggx_quad": Function(
         "light = ggx_quad(view, alpha.x, alpha.y, a, b, c, d);",
         "quad rough", lambda n, f0=1.0: sfumato.microfacet_polygon(corners(n), n[:, VIEW], n[:, ALPHA], f0=f0), 1e-4, 1e-5),
+    "dielectric_quad": Function(
+        "Microfacets m = microfacets(BRDF_GGX, view, alpha.x, alpha.y); m.index = 1.45f; light = microfacet_quad(m, a, b, c, d);",
+        "quad rough",
+        lambda n, f0=1.0: sfumato.microfacet_polygon(corners(n), n[:, VIEW], n[:, ALPHA], f0=f0, index=1.45), 1e-4, 1e-5),
     "ggx_sphere": Function(
         "light = ggx_sphere(view, alpha.x, alpha.y, a, b.x);",
         "sphere rough", lambda n, f0=1.0: sfumato.microfacet_sphere(n[:, :3], n[:, 3], n[:, VIEW], n[:, ALPHA], f0=f0), 1e-6, 1e-5),
