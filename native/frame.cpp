@@ -156,17 +156,28 @@ bool refine(const Kernels &with, const FrameView &view, int edge_samples, const 
         patterns.push_back(film_samples(edge_samples, turn));
     }
     // Which pixels are edges is settled before any of them changes.
-    std::vector<std::vector<int>> edges(static_cast<std::size_t>(image.height));
+    std::vector<std::uint8_t> edge(image.distance.size());
     oneapi::tbb::parallel_for(0, image.height, [&](int y) {
         for (int x = 0; x < image.width; ++x) {
-            if (is_edge(image, x, y)) {
-                edges[static_cast<std::size_t>(y)].push_back(x);
-            }
+            edge[image.at(x, y)] = is_edge(image, x, y) ? 1 : 0;
         }
     });
+    // A pixel and its eight neighbours may all miss a thin shadow or a corner of a light; their neighbours' do not.
+    const auto beside_edge = [&](int x, int y) {
+        for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.height - 1); ++j) {
+            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, image.width - 1); ++i) {
+                if (edge[image.at(i, j)] != 0) {
+                    return true;
+                }
+            }
+        }
+        return false;
+    };
     return in_chunks(image, 0.5, 0.5, progress, [&](int y) {
-        for (const int x : edges[static_cast<std::size_t>(y)]) {
-            refine_pixel(with, view, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
+        for (int x = 0; x < image.width; ++x) {
+            if (beside_edge(x, y)) {
+                refine_pixel(with, view, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
+            }
         }
     });
 }
