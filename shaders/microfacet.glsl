@@ -286,7 +286,7 @@ RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
 // exact for quadratics; but masking falls faster than these towards the horizon, and so it is a little further out,
 // as is best for rectangles of all kinds. A triangle turned inside out lies where the region does not, and its masking
 // is that of elsewhere: it counts FAN_OUTSIDE as much.
-#define FAN_NODE 0.765f
+#define FAN_NODE 0.77f
 #define FAN_WEIGHT (2.0f / (3.0f * FAN_NODE))
 #define FAN_OUTSIDE 0.5f
 
