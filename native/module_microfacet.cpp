@@ -114,7 +114,7 @@ Their rim is a circle of directions, over which the lobe of 'ggx' is exact too.
           py::arg("alpha"), py::arg("brdf") = "ggx", py::arg("f0") = 1.0,
           R"(As microfacet_polygon, of ellipses: centre (..., 3) and the half axes u and v, (3,) or (..., 3).
 
-Their rim is taken for eight circles of directions through three of its points each.
+Their rim is taken for eight circles of directions that enclose what it does: 1e-3 of the radiance, on average.
 
 >>> round(float(microfacet_ellipse([0, 0, 1], [1, 0, 0], [0, 1, 0], view=[0, 0, 1], alpha=0.1)), 3)
 0.945

@@ -282,10 +282,10 @@ RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
 }
 
 // Masking and Fresnel vary slowly over the region. Their mean: a fan of triangles from the region's middle to the nodes
-// of its outline, each by two nodes along the ray: the apex, and FAN_NODE of the way. Three quarters would be Radau's rule,
-// exact for quadratics; but masking falls faster than these towards the horizon, and so it is a little further out,
-// as is best for rectangles of all kinds. A triangle turned inside out lies where the region does not, and its masking
-// is that of elsewhere: it counts FAN_OUTSIDE as much.
+// of its outline, each by two nodes along the ray: the apex, and FAN_NODE of the way. Three quarters would be Radau's
+// rule, exact for quadratics; but masking falls faster than these towards the horizon, and so it is a little further
+// out, as is best for rectangles of all kinds. A triangle turned inside out lies where the region does not, and its
+// masking is that of elsewhere: it counts FAN_OUTSIDE as much.
 #define FAN_NODE 0.77f
 #define FAN_WEIGHT (2.0f / (3.0f * FAN_NODE))
 #define FAN_OUTSIDE 0.5f
@@ -351,7 +351,8 @@ Mean with_arc(Mean mean, Microfacets m, RimArc arc)
 // Of a light whose numbers have the sum of squares `size2`.
 Reflection reflected(Microfacets m, float size2, Mean mean, float flux)
 {
-  float k = 1.0f / max(mean.weight, TINY);
+  // Negative where a tiny light's flux is all rounding.
+  float k = pick(mean.weight < 0.0f, -1.0f, 1.0f) / max(abs(mean.weight), TINY);
   float amount = 0.318309886183790672f * abs(flux);
   float plain = min(max(mean.plain * k, 0.0f), mean.most);
   Reflection light;

@@ -64,6 +64,17 @@ Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
   return reflected(m, dot(a, a) + dot(b, b) + dot(c, c) + dot(d, d), mean, flux);
 }
 
+// The middle of a round light about a direction; size2: the square of its half width, in radians or so. Along a small
+// circle the turns are large and their sum small: there the light's own middle, not below the horizon.
+#define SMALL_ROUND 0.3f
+
+vec3 round_middle(Microfacets m, vec3 direction, float size2, vec3 turned, float flux)
+{
+  vec3 own = times(m.stretch, m.view + vec3(direction.x, direction.y, max(direction.z, 0.0f)));
+  float thin = SMALL_ROUND * min(m.rough.x, m.rough.y), sense = pick(flux < 0.0f, -1.0f, 1.0f);
+  return pick(size2 < thin * thin * dot(own, own), own * sense, turned);
+}
+
 // The rim of a sphere is a small circle of directions. Its top divides what is above the horizon into two arcs alike.
 // The point must be outside the sphere.
 Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
@@ -90,24 +101,25 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
   arcs[2] = horizon_arc(m, leave * cut, enter * cut);
   float flux = (arcs[0].flux + arcs[1].flux + arcs[2].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
   flux = flux * pick(radius > 0.0f, 1.0f, 0.0f);
-  Mean mean = mean_about(m, lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]) + lobe_turns(m, arcs[2]), flux);
+  vec3 turned = lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]) + lobe_turns(m, arcs[2]);
+  Mean mean = mean_about(m, round_middle(m, axis, sine * sine, turned, flux), flux);
   mean = with_arc(with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]), m, arcs[2]);
   return reflected(m, dot(centre, centre) + radius * radius, mean, flux);
 }
 
 // The circle of directions through both ends of a piece of rim, by the direction in its middle and the chords to it and
-// from it. Of an ellipse that is not a circle, the direction in the middle of the parameter is aside of the middle of
-// the arc, and the circle through all three would enclose too much. But the piece between chord and rim has the same
-// area as any such piece of the circle that the ellipse is squeezed from, if squeezed alike: so the circle's height
-// above the chord is that of the direction, over the middle. What a circle encloses beyond 4/3 of half the chord times
-// its height, and at a tip that would be most of it, is taken off: `flat_share` is 1 + 1/5 (height / half chord)^2 on a circle.
+// from it. On an ellipse the middle of the parameter is aside of the middle of the arc, and the circle through all three
+// would enclose too much. But between chord and rim lies as much as on the circle that the ellipse is squeezed from, if
+// squeezed alike: so the circle is as high over the middle of the chord as that direction is over its foot. Relative to
+// 4/3 of half the chord times its height, a segment of a circle is (1 + 4/5 (height / half chord)^2)^(1/4) or so, also
+// at tips where it is most of the circle: that is taken off. `flat_share` is the same of a piece of a circle, fourth power.
 RimArc arc_over(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out, float flat_share)
 {
   float half_of = 0.5f, small = 1e-6f;
   vec3 chord = chord_in + chord_out, rise = (chord_in - chord_out) * half_of;
   float half2 = 0.25f * max(dot(chord, chord), TINY), aside = 0.25f * dot(rise, chord) / half2;
   vec3 base = middle - rise, up = rise - chord * aside;
-  float up2 = dot(up, up), flat_part = flat_share * half2 / (half2 + 0.2f * up2);
+  float up2 = dot(up, up), flat_part = sqrt(sqrt(flat_share * half2 / (half2 + 0.8f * up2)));
   // |base + up flat_part|^2 - 1, and what makes it a direction.
   float more = flat_part * (half2 * (1.0f - 4.0f * aside * aside) - up2 * (1.0f - flat_part)) - half2;
   float length = sqrt(max(1.0f + more, small)), inverse = 1.0f / length;
@@ -201,7 +213,7 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   // From t to t + 2 d the rim goes 2 sin d along (-x sin(t + d) + y cos(t + d)). Here d is half of the step above.
   float cos_d = sqrt(0.5f + 0.5f * c), sin_d = 0.5f * s / cos_d, twice = 2.0f * sin_d;
   float cos_t = cos_end * cos_d - sin_end * -sin_d, sin_t = -sin_end * cos_d + cos_end * sin_d, next = 0.0f;
-  float half_tan = s / (1.0f + c), flat_share = 1.0f + 0.2f * half_tan * half_tan;
+  float half_tan = s / (1.0f + c), flat_share = 1.0f + 0.8f * half_tan * half_tan;
   RimStep here, half_way;
   here.to = cone.centre + x * cos_end - y * sin_end;
   vec3 enter = unit(here.to);
@@ -225,13 +237,14 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   float cut = pick(abs(cos_end) < 0.9999999f, 1.0f, 0.0f);
   arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
   flux = (flux + arcs[ELLIPSE_ARCS].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
-  Mean mean = mean_about(m, middle + lobe_turns(m, arcs[ELLIPSE_ARCS]), flux);
+  float u2 = dot(u, u), v2 = dot(v, v), c2 = dot(centre, centre);
+  middle = middle + lobe_turns(m, arcs[ELLIPSE_ARCS]);
+  Mean mean = mean_about(m, round_middle(m, unit(cone.centre), (u2 + v2) / max(c2, TINY), middle, flux), flux);
   for (int n = 0; n <= ELLIPSE_ARCS; ++n) {
     mean = with_arc(mean, m, arcs[n]);
   }
-  float u2 = dot(u, u), v2 = dot(v, v);
   flux = flux * pick(min(u2, v2) > 0.0f, 1.0f, 0.0f);
-  return reflected(m, dot(centre, centre) + u2 + v2, mean, flux);
+  return reflected(m, c2 + u2 + v2, mean, flux);
 }
 
 // ---- GGX by its parameters ----
