@@ -266,7 +266,7 @@ RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
 }
 
 // A small circle that is small beside the lobe has its peaks at +-i, both: there the nodes' own sum is the better one.
-#define NEARLY_ONE_PEAK 0.1f
+#define NEARLY_ONE_PEAK 0.03f
 
 RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
 {

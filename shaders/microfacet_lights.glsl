@@ -112,7 +112,7 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
 // would enclose too much. But between chord and rim lies as much as on the circle that the ellipse is squeezed from, if
 // squeezed alike: so the circle is as high over the middle of the chord as that direction is over its foot. Relative to
 // 4/3 of half the chord times its height, a segment of a circle is (1 + 4/5 (height / half chord)^2)^(1/4) or so, also
-// at tips where it is most of the circle: that is taken off. `flat_share` is the same of a piece of a circle, fourth power.
+// at tips where it is most of the circle: that is taken off. `flat_share` is that of a circle's piece, its fourth power.
 RimArc arc_over(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out, float flat_share)
 {
   float half_of = 0.5f, small = 1e-6f;
@@ -147,9 +147,10 @@ RimStep rim_step(vec3 from, vec3 along)
   return rim;
 }
 
-// An ellipse, centre + u x + v y for x^2 + y^2 <= 1. Equal steps along the rim would be few directions where it is near;
-// so it is taken for another ellipse in the same cone of directions, whose centre is on the cone's own axis. With the
-// light's x, y, 1 as axes and 1 for the time of relativity that is a boost: it maps the unit circle to itself.
+// An ellipse, centre + u x + v y for x^2 + y^2 <= 1. Equal steps along its rim are few directions where it is far and
+// many where it is near; so it is taken for another ellipse in the same cone of directions, whose centre is on the cone's
+// own axis. With the light's x, y, 1 as axes and 1 for the time of relativity that is a boost: it maps the unit circle to
+// itself.
 struct Cone {
   vec3 centre;
   vec3 u;

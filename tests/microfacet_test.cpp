@@ -409,7 +409,7 @@ TEST(Microfacet, SmallSpheresAtGrazingAnglesAgreeWithTheOutline) {
         for (const double radius : {1e-4, 1e-3, 3e-3, 1e-2}) {
             const double want = reference::reflected_by_outline(judged(s), reference::disk_of_sphere(to, radius))[0];
             const double ball = reflection({LightShape::SPHERE, {to.x, to.y, to.z, radius}}, s)[0];
-            EXPECT_NEAR(ball, want, 2e-3 * want) << alpha << " " << radius;
+            EXPECT_NEAR(ball, want, 3e-3 * want) << alpha << " " << radius;
         }
     }
 }
