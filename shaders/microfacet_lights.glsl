@@ -117,17 +117,17 @@ RimArc arc_over(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out, float
 {
   float half_of = 0.5f, small = 1e-6f;
   vec3 chord = chord_in + chord_out, rise = (chord_in - chord_out) * half_of;
-  float half2 = 0.25f * max(dot(chord, chord), TINY), aside = 0.25f * dot(rise, chord) / half2;
+  float chord2 = 0.25f * max(dot(chord, chord), TINY), aside = 0.25f * dot(rise, chord) / chord2;
   vec3 base = middle - rise, up = rise - chord * aside;
-  float up2 = dot(up, up), flat_part = sqrt(sqrt(flat_share * half2 / (half2 + 0.8f * up2)));
+  float up2 = dot(up, up), flat_part = sqrt(sqrt(flat_share * chord2 / (chord2 + 0.8f * up2)));
   // |base + up flat_part|^2 - 1, and what makes it a direction.
-  float more = flat_part * (half2 * (1.0f - 4.0f * aside * aside) - up2 * (1.0f - flat_part)) - half2;
-  float length = sqrt(max(1.0f + more, small)), inverse = 1.0f / length;
-  up = up * (flat_part * inverse) - base * (more * inverse / (1.0f + length));
-  up2 = max(dot(up, up), small * small * half2);
-  float height = sqrt(up2), half_chord = sqrt(half2), both = half2 + up2, radius = half_of * both / height;
+  float more = flat_part * (chord2 * (1.0f - 4.0f * aside * aside) - up2 * (1.0f - flat_part)) - chord2;
+  float size = sqrt(max(1.0f + more, small)), inverse = 1.0f / size;
+  up = up * (flat_part * inverse) - base * (more * inverse / (1.0f + size));
+  up2 = max(dot(up, up), small * small * chord2);
+  float height = sqrt(up2), half_chord = sqrt(chord2), both = chord2 + up2, radius = half_of * both / height;
   vec3 x = up * (radius / height), y = chord * (half_of * radius / half_chord);
-  float cosine = (half2 - up2) / both, sine = 2.0f * half_chord * height / both;
+  float cosine = (chord2 - up2) / both, sine = 2.0f * half_chord * height / both;
   return small_circle_arc(m, small_arc(m.view, m.stretch, base + up - x, x, y, cosine, -sine, cosine, sine), OPEN_NODE);
 }
 
@@ -170,13 +170,13 @@ Cone centred_cone(vec3 centre, vec3 u, vec3 v)
   uc = uc * k;
   vc = vc * k;
   // The Gram matrix of u, v, centre and the form x^2 + y^2 - 1 have one common axis inside the circle. -lambda is the
-  // largest root of lambda^3 - square lambda^2 + linear lambda - constant, real like the others.
-  float area2 = uu * vv - uv * uv, square = cc - uu - vv, linear = area2 - (vv * cc - vc * vc) - (uu * cc - uc * uc);
-  float constant = cc * area2 - uc * (uc * vv - uv * vc) + vc * (uc * uv - uu * vc);
-  float q = max(square * square - 3.0f * linear, TINY) * 0.111111111111111111f, by_root_q = inversesqrt(q);
-  float r = (2.0f * square * square * square - 9.0f * square * linear + 27.0f * constant) * 0.0185185185185185185f;
+  // largest root of lambda^3 - squares lambda^2 + areas lambda - volume2, real like the others.
+  float area2 = uu * vv - uv * uv, squares = cc - uu - vv, areas = area2 - (vv * cc - vc * vc) - (uu * cc - uc * uc);
+  float volume2 = cc * area2 - uc * (uc * vv - uv * vc) + vc * (uc * uv - uu * vc);
+  float q = max(squares * squares - 3.0f * areas, TINY) * 0.111111111111111111f, by_root_q = inversesqrt(q);
+  float r = (2.0f * squares * squares * squares - 9.0f * squares * areas + 27.0f * volume2) * 0.0185185185185185185f;
   float cosine = clamp(r * by_root_q * by_root_q * by_root_q, -1.0f, 1.0f);
-  float root = square * 0.333333333333333333f + 2.0f * q * by_root_q * third_of_angle(sqrt(0.5f + 0.5f * cosine));
+  float root = squares * 0.333333333333333333f + 2.0f * q * by_root_q * third_of_angle(sqrt(0.5f + 0.5f * cosine));
   // Where the axis pierces the light. Any point within the ellipse would do: this one need not be exact.
   float a = uu + max(root, 1e-6f), d = vv + max(root, 1e-6f), by = 1.0f / max(a * d - uv * uv, TINY);
   float x = (uv * vc - d * uc) * by, y = (uv * uc - a * vc) * by;

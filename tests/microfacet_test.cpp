@@ -208,7 +208,7 @@ TEST(Microfacet, AWhiteSkyGivesNoMoreThanItSends) {
             EXPECT_LE(albedo, 1.0 + 4e-3) << alpha << " " << cosine;
             if (cosine >= 0.03) {
                 const reference::DiskLight same{{0.0, 0.0, 1e-3}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
-                EXPECT_NEAR(albedo, reference::reflected_by_outline(judged(s), same)[0], 0.03)
+                EXPECT_NEAR(albedo, reference::reflected_by_outline(judged(s), same)[0], 0.02)
                     << alpha << " " << cosine;
             }
         }

@@ -64,7 +64,7 @@ def test_lights_that_fill_the_sky() -> None:
     )
     exact = skies.reference()
     error = bench_microfacet.closed_form(skies) - exact
-    assert np.sqrt(np.mean(error**2)) < 0.005
+    assert np.sqrt(np.mean(error**2)) < 0.006
     assert abs(error.sum() / exact.sum()) < 0.004
 
 
