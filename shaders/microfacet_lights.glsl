@@ -117,17 +117,17 @@ RimArc arc_over(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out, float
 {
   float half_of = 0.5f, small = 1e-6f;
   vec3 chord = chord_in + chord_out, rise = (chord_in - chord_out) * half_of;
-  float chord2 = 0.25f * max(dot(chord, chord), TINY), aside = 0.25f * dot(rise, chord) / chord2;
+  float half_chord2 = 0.25f * max(dot(chord, chord), TINY), aside = 0.25f * dot(rise, chord) / half_chord2;
   vec3 base = middle - rise, up = rise - chord * aside;
-  float up2 = dot(up, up), flat_part = sqrt(sqrt(flat_share * chord2 / (chord2 + 0.8f * up2)));
+  float up2 = dot(up, up), flat_part = sqrt(sqrt(flat_share * half_chord2 / (half_chord2 + 0.8f * up2)));
   // |base + up flat_part|^2 - 1, and what makes it a direction.
-  float more = flat_part * (chord2 * (1.0f - 4.0f * aside * aside) - up2 * (1.0f - flat_part)) - chord2;
+  float more = flat_part * (half_chord2 * (1.0f - 4.0f * aside * aside) - up2 * (1.0f - flat_part)) - half_chord2;
   float size = sqrt(max(1.0f + more, small)), inverse = 1.0f / size;
   up = up * (flat_part * inverse) - base * (more * inverse / (1.0f + size));
-  up2 = max(dot(up, up), small * small * chord2);
-  float height = sqrt(up2), half_chord = sqrt(chord2), both = chord2 + up2, radius = half_of * both / height;
+  up2 = max(dot(up, up), small * small * half_chord2);
+  float height = sqrt(up2), half_chord = sqrt(half_chord2), both = half_chord2 + up2, radius = half_of * both / height;
   vec3 x = up * (radius / height), y = chord * (half_of * radius / half_chord);
-  float cosine = (chord2 - up2) / both, sine = 2.0f * half_chord * height / both;
+  float cosine = (half_chord2 - up2) / both, sine = 2.0f * half_chord * height / both;
   return small_circle_arc(m, small_arc(m.view, m.stretch, base + up - x, x, y, cosine, -sine, cosine, sine), OPEN_NODE);
 }
 
@@ -169,8 +169,8 @@ Cone centred_cone(vec3 centre, vec3 u, vec3 v)
   uv = uv * k;
   uc = uc * k;
   vc = vc * k;
-  // The Gram matrix of u, v, centre and the form x^2 + y^2 - 1 have one common axis inside the circle. -lambda is the
-  // largest root of lambda^3 - squares lambda^2 + areas lambda - volume2, real like the others.
+  // The Gram matrix of u, v, centre and the form x^2 + y^2 - 1 have one common axis inside the circle. Its -lambda = mu is
+  // the largest root of mu^3 - squares mu^2 + areas mu - volume2, real like the others.
   float area2 = uu * vv - uv * uv, squares = cc - uu - vv, areas = area2 - (vv * cc - vc * vc) - (uu * cc - uc * uc);
   float volume2 = cc * area2 - uc * (uc * vv - uv * vc) + vc * (uc * uv - uu * vc);
   float q = max(squares * squares - 3.0f * areas, TINY) * 0.111111111111111111f, by_root_q = inversesqrt(q);
