@@ -284,7 +284,7 @@ RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
 }
 
 // A small circle that is small beside the lobe has its peaks at +-i, both: there the nodes' own sum is the better one.
-#define NEARLY_ONE_PEAK 0.1f
+#define NEARLY_ONE_PEAK 0.03f
 
 RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
 {
@@ -300,9 +300,17 @@ RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
 }
 
 // Masking and Fresnel vary slowly over the region. Their mean: a fan of triangles from the region's middle to the nodes
-// of its outline, each by Radau's rule (nodes at the apex and at three quarters, exact for quadratics along the ray).
+// of its outline, each by two nodes along the ray: the apex, and FAN_NODE of the way. Three quarters would be Radau's
+// rule, exact for quadratics; but masking falls faster than these towards the horizon, and so it is a little further
+// out, as is best for rectangles of all kinds. A triangle turned inside out lies where the region does not, and its
+// masking is that of elsewhere: it counts FAN_OUTSIDE as much.
+#define FAN_NODE 0.77f
+#define FAN_WEIGHT (2.0f / (3.0f * FAN_NODE))
+#define FAN_OUTSIDE 0.5f
+
 struct Mean {
   vec3 apex;
+  vec3 facing; // the apex, negative where the outline runs clockwise
   Reflection at_apex;
   float apex_weight;
   float apex_lobe;
@@ -312,13 +320,16 @@ struct Mean {
   float most; // masking at any node: the mean is no higher
 };
 
-Mean mean_about(Microfacets m, vec3 middle)
+// About the middle of an outline, whose sense is that of its flux.
+Mean mean_about(Microfacets m, vec3 middle, float flux)
 {
   Mean mean;
+  float sense = pick(flux < 0.0f, -1.0f, 1.0f);
   // Inside by construction, but for rounding: a half vector below the horizon mirrors nothing.
-  mean.apex = unit(vec3(middle.x, middle.y, max(middle.z, 1e-6f)));
+  mean.apex = unit(vec3(middle.x * sense, middle.y * sense, max(middle.z * sense, 1e-6f)));
+  mean.facing = mean.apex * sense;
   mean.at_apex = masking(m, mean.apex);
-  mean.apex_weight = 0.111111111111111111f * dot(m.weight, mean.apex);
+  mean.apex_weight = (1.0f - FAN_WEIGHT) * dot(m.weight, mean.apex);
   mean.apex_lobe = 0.0f;
   if (m.brdf != BRDF_GGX) {
     mean.apex_lobe = log_lobe(m, mean.apex);
@@ -332,13 +343,14 @@ Mean mean_about(Microfacets m, vec3 middle)
 
 Mean with_node(Mean mean, Microfacets m, ArcNode node)
 {
-  float near_part = 0.25f, far_part = 0.75f, cosine = dot(mean.apex, node.point);
+  float near_part = 1.0f - FAN_NODE, far_part = FAN_NODE, cosine = dot(mean.apex, node.point);
   vec3 p = mean.apex * near_part + node.point * far_part;
-  float inverse = inversesqrt(max(0.625f + 0.375f * cosine, 0.25f)); // of its length
+  float inverse = inversesqrt(max(near_part * near_part + far_part * (far_part + 2.0f * near_part * cosine), 0.25f));
   Reflection g = masking(m, p);
-  float solid_angle = dot(mean.apex, node.turn) / max(1.0f + cosine, 1e-3f);
+  float solid_angle = dot(mean.facing, node.turn) / max(1.0f + cosine, 1e-3f);
+  solid_angle = max(solid_angle, solid_angle * FAN_OUTSIDE);
   float at_apex = solid_angle * mean.apex_weight;
-  float at_node = 0.888888888888888889f * inverse * solid_angle * dot(m.weight, p);
+  float at_node = FAN_WEIGHT * inverse * solid_angle * dot(m.weight, p);
   if (m.brdf != BRDF_GGX) {
     at_node = at_node * exp(min(log_lobe(m, p * inverse) - mean.apex_lobe, 20.0f));
   }
@@ -354,9 +366,10 @@ Mean with_arc(Mean mean, Microfacets m, RimArc arc)
   return with_node(with_node(mean, m, arc.a), m, arc.b);
 }
 
-// Of a light whose numbers have the sum of squares `size2`. Either winding: the outline's sense is that of its flux.
+// Of a light whose numbers have the sum of squares `size2`.
 Reflection reflected(Microfacets m, float size2, Mean mean, float flux)
 {
+  // Negative where a tiny light's flux is all rounding.
   float k = pick(mean.weight < 0.0f, -1.0f, 1.0f) / max(abs(mean.weight), TINY);
   float amount = 0.318309886183790672f * abs(flux);
   float plain = min(max(mean.plain * k, 0.0f), mean.most);
@@ -365,10 +378,4 @@ Reflection reflected(Microfacets m, float size2, Mean mean, float flux)
   light.plain = if_finite(m.size2 + size2, min(amount * plain, 1.0f));
   light.fresnel = min(if_finite(m.size2 + size2, amount * min(max(mean.fresnel * k, 0.0f), plain)), light.plain);
   return light;
-}
-
-vec3 facing(vec3 middle, float flux)
-{
-  float sense = pick(flux < 0.0f, -1.0f, 1.0f);
-  return middle * sense;
 }

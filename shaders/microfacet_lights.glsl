@@ -57,11 +57,22 @@ Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
     flux = flux + arcs[k].flux;
     middle = middle + lobe_turns(m, arcs[k]);
   }
-  Mean mean = mean_about(m, facing(middle, flux));
+  Mean mean = mean_about(m, middle, flux);
   for (int k = 0; k < 5; ++k) {
     mean = with_arc(mean, m, arcs[k]);
   }
   return reflected(m, dot(a, a) + dot(b, b) + dot(c, c) + dot(d, d), mean, flux);
+}
+
+// The middle of a round light about a direction; size2: the square of its half width, in radians or so. Along a small
+// circle the turns are large and their sum small: there the light's own middle, not below the horizon.
+#define SMALL_ROUND 0.3f
+
+vec3 round_middle(Microfacets m, vec3 direction, float size2, vec3 turned, float flux)
+{
+  vec3 own = times(m.stretch, m.view + vec3(direction.x, direction.y, max(direction.z, 0.0f)));
+  float thin = SMALL_ROUND * min(m.rough.x, m.rough.y), sense = pick(flux < 0.0f, -1.0f, 1.0f);
+  return pick(size2 < thin * thin * dot(own, own), own * sense, turned);
 }
 
 // The rim of a sphere is a small circle of directions. Its top divides what is above the horizon into two arcs alike.
@@ -90,36 +101,34 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
   arcs[2] = horizon_arc(m, leave * cut, enter * cut);
   float flux = (arcs[0].flux + arcs[1].flux + arcs[2].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
   flux = flux * pick(radius > 0.0f, 1.0f, 0.0f);
-  Mean mean = mean_about(m, facing(lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]) + lobe_turns(m, arcs[2]), flux));
+  vec3 turned = lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]) + lobe_turns(m, arcs[2]);
+  Mean mean = mean_about(m, round_middle(m, axis, sine * sine, turned, flux), flux);
   mean = with_arc(with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]), m, arcs[2]);
   return reflected(m, dot(centre, centre) + radius * radius, mean, flux);
 }
 
-// The small circle through three directions, by the middle one and the chords to it and from it. At the tips of a disk
-// that is seen nearly edge on it would bulge: where the chords turn by more than a right angle, the great arc past the
-// middle, which leaves 1.2 % of the disk out at each tip.
-RimArc arc_through(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out)
+// The circle of directions through both ends of a piece of rim, by the direction in its middle and the chords to it and
+// from it. On an ellipse the middle of the parameter is aside of the middle of the arc, and the circle through all three
+// would enclose too much. But between chord and rim lies as much as on the circle that the ellipse is squeezed from, if
+// squeezed alike: so the circle is as high over the middle of the chord as that direction is over its foot. Relative to
+// 4/3 of half the chord times its height, a segment of a circle is (1 + 4/5 (height / half chord)^2)^(1/4) or so, also
+// at tips where it is most of the circle: that is taken off. `flat_share` is that of a circle's piece, its fourth power.
+RimArc arc_over(Microfacets m, vec3 middle, vec3 chord_in, vec3 chord_out, float flat_share)
 {
-  vec3 axis = cross(chord_in, chord_out);
-  float in2 = dot(chord_in, chord_in), out2 = dot(chord_out, chord_out);
-  float half_inverse = 0.5f / max(dot(axis, axis), TINY);
-  // From the circle's centre to the middle: the circumcentre of a triangle.
-  vec3 x = cross(chord_out * in2 + chord_in * out2, axis) * half_inverse;
-  float longest = sqrt(dot(x, x)), k = min(1.0f / max(longest, TINY), 1.0f);
-  x = x * k; // no circle of directions is larger
-  vec3 y = cross(unit(axis), x), to_a = x - chord_in, to_b = x + chord_out;
-  k = 1.0f / max(dot(x, x), TINY);
-  HalfArc curved = small_arc(m.view, m.stretch, middle - x, x, y, dot(to_a, x) * k, dot(to_a, y) * k, dot(to_b, x) * k,
-                            dot(to_b, y) * k);
-  HalfArc straight = great_arc(m.view, m.stretch, unit(middle - chord_in), unit(middle + chord_out));
-  float turn = dot(chord_in, chord_out);
-  HalfArc arc;
-  arc.p0 = pick(turn < 0.0f, straight.p0, curved.p0);
-  arc.p1 = pick(turn < 0.0f, straight.p1, curved.p1);
-  arc.p2 = pick(turn < 0.0f, straight.p2, curved.p2);
-  arc.low = pick(turn < 0.0f, straight.low, curved.low);
-  arc.high = pick(turn < 0.0f, straight.high, curved.high);
-  return small_circle_arc(m, arc, OPEN_NODE);
+  float half_of = 0.5f, small = 1e-6f;
+  vec3 chord = chord_in + chord_out, rise = (chord_in - chord_out) * half_of;
+  float half_chord2 = 0.25f * max(dot(chord, chord), TINY), aside = 0.25f * dot(rise, chord) / half_chord2;
+  vec3 base = middle - rise, up = rise - chord * aside;
+  float up2 = dot(up, up), flat_part = sqrt(sqrt(flat_share * half_chord2 / (half_chord2 + 0.8f * up2)));
+  // |base + up flat_part|^2 - 1, and what makes it a direction.
+  float more = flat_part * (half_chord2 * (1.0f - 4.0f * aside * aside) - up2 * (1.0f - flat_part)) - half_chord2;
+  float size = sqrt(max(1.0f + more, small)), inverse = 1.0f / size;
+  up = up * (flat_part * inverse) - base * (more * inverse / (1.0f + size));
+  up2 = max(dot(up, up), small * small * half_chord2);
+  float height = sqrt(up2), half_chord = sqrt(half_chord2), both = half_chord2 + up2, radius = half_of * both / height;
+  vec3 x = up * (radius / height), y = chord * (half_of * radius / half_chord);
+  float cosine = (half_chord2 - up2) / both, sine = 2.0f * half_chord * height / both;
+  return small_circle_arc(m, small_arc(m.view, m.stretch, base + up - x, x, y, cosine, -sine, cosine, sine), OPEN_NODE);
 }
 
 // A point of the rim, and from there to the next: the chord between both directions, without cancellation.
@@ -138,16 +147,63 @@ RimStep rim_step(vec3 from, vec3 along)
   return rim;
 }
 
-// The rim of an ellipse (disk) with half axes u and v, as ELLIPSE_ARCS small circles through three of its points each.
+// An ellipse, centre + u x + v y for x^2 + y^2 <= 1. Equal steps along its rim are few directions where it is far and
+// many where it is near; so it is taken for another ellipse in the same cone of directions, whose centre is on the cone's
+// own axis. With the light's x, y, 1 as axes and 1 for the time of relativity that is a boost: it maps the unit circle to
+// itself.
+struct Cone {
+  vec3 centre;
+  vec3 u;
+  vec3 v;
+};
+
+#define BOOST_MAX 0.999f
+
+Cone centred_cone(vec3 centre, vec3 u, vec3 v)
+{
+  float uu = dot(u, u), vv = dot(v, v), cc = dot(centre, centre), uv = dot(u, v), uc = dot(u, centre);
+  float vc = dot(v, centre), k = 1.0f / max(uu + vv + cc, TINY);
+  uu = uu * k;
+  vv = vv * k;
+  cc = cc * k;
+  uv = uv * k;
+  uc = uc * k;
+  vc = vc * k;
+  // The Gram matrix of u, v, centre and the form x^2 + y^2 - 1 have one common axis inside the circle. Its -lambda = mu is
+  // the largest root of mu^3 - squares mu^2 + areas mu - volume2, real like the others.
+  float area2 = uu * vv - uv * uv, squares = cc - uu - vv, areas = area2 - (vv * cc - vc * vc) - (uu * cc - uc * uc);
+  float volume2 = cc * area2 - uc * (uc * vv - uv * vc) + vc * (uc * uv - uu * vc);
+  float q = max(squares * squares - 3.0f * areas, TINY) * 0.111111111111111111f, by_root_q = inversesqrt(q);
+  float r = (2.0f * squares * squares * squares - 9.0f * squares * areas + 27.0f * volume2) * 0.0185185185185185185f;
+  float cosine = clamp(r * by_root_q * by_root_q * by_root_q, -1.0f, 1.0f);
+  float root = squares * 0.333333333333333333f + 2.0f * q * by_root_q * third_of_angle(sqrt(0.5f + 0.5f * cosine));
+  // Where the axis pierces the light. Any point within the ellipse would do: this one need not be exact.
+  float a = uu + max(root, 1e-6f), d = vv + max(root, 1e-6f), by = 1.0f / max(a * d - uv * uv, TINY);
+  float x = (uv * vc - d * uc) * by, y = (uv * uc - a * vc) * by;
+  float off = sqrt(x * x + y * y), by_off = 1.0f / max(off, TINY);
+  x = pick(off > 1e-6f, x * by_off, 1.0f);
+  y = pick(off > 1e-6f, y * by_off, 0.0f);
+  off = min(off, BOOST_MAX);
+  float gamma = inversesqrt(1.0f - off * off);
+  vec3 radial = u * x + v * y;
+  Cone cone;
+  cone.centre = (centre + radial * off) * gamma;
+  cone.u = (radial + centre * off) * gamma;
+  cone.v = v * x - u * y;
+  return cone;
+}
+
+// The rim in ELLIPSE_ARCS circles of directions.
 #define ELLIPSE_ARCS 8
 
 Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
 {
-  // Conjugate half axes, the first to the highest point: z is centre.z + rise cos t.
-  float rise = sqrt(max(u.z * u.z + v.z * v.z, TINY)), k = 1.0f / rise;
-  float cu = pick(rise < 1e-12f, 1.0f, u.z * k), su = pick(rise < 1e-12f, 0.0f, v.z * k);
-  vec3 x = u * cu + v * su, y = v * cu - u * su;
-  float cos_end = clamp(-centre.z / max(rise, 1e-12f), -1.0f, 1.0f);
+  Cone cone = centred_cone(centre, u, v);
+  // Conjugate half axes, the first to the highest point: z is cone.centre.z + rise cos t.
+  float rise = sqrt(max(cone.u.z * cone.u.z + cone.v.z * cone.v.z, TINY)), k = 1.0f / rise;
+  float cu = pick(rise < 1e-12f, 1.0f, cone.u.z * k), su = pick(rise < 1e-12f, 0.0f, cone.v.z * k);
+  vec3 x = cone.u * cu + cone.v * su, y = cone.v * cu - cone.u * su;
+  float cos_end = clamp(-cone.centre.z / max(rise, 1e-12f), -1.0f, 1.0f);
   float sin_end = sqrt(max(1.0f - cos_end * cos_end, 0.0f));
   // A sixteenth of the way curved, by halving the angle three times.
   float s = sqrt(0.5f - 0.5f * cos_end), c = sqrt(0.5f + 0.5f * cos_end);
@@ -158,8 +214,9 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   // From t to t + 2 d the rim goes 2 sin d along (-x sin(t + d) + y cos(t + d)). Here d is half of the step above.
   float cos_d = sqrt(0.5f + 0.5f * c), sin_d = 0.5f * s / cos_d, twice = 2.0f * sin_d;
   float cos_t = cos_end * cos_d - sin_end * -sin_d, sin_t = -sin_end * cos_d + cos_end * sin_d, next = 0.0f;
+  float half_tan = s / (1.0f + c), flat_share = 1.0f + 0.8f * half_tan * half_tan;
   RimStep here, half_way;
-  here.to = centre + x * cos_end - y * sin_end;
+  here.to = cone.centre + x * cos_end - y * sin_end;
   vec3 enter = unit(here.to);
   RimArc arcs[ELLIPSE_ARCS + 1];
   float flux = 0.0f;
@@ -173,7 +230,7 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
     next = cos_t * c - sin_t * s;
     sin_t = sin_t * c + cos_t * s;
     cos_t = next;
-    arcs[n] = arc_through(m, unit(half_way.to), half_way.chord, here.chord);
+    arcs[n] = arc_over(m, unit(half_way.to), half_way.chord, here.chord, flat_share);
     flux = flux + arcs[n].flux;
     middle = middle + lobe_turns(m, arcs[n]);
   }
@@ -181,13 +238,14 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   float cut = pick(abs(cos_end) < 0.9999999f, 1.0f, 0.0f);
   arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
   flux = (flux + arcs[ELLIPSE_ARCS].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
-  Mean mean = mean_about(m, facing(middle + lobe_turns(m, arcs[ELLIPSE_ARCS]), flux));
+  float u2 = dot(u, u), v2 = dot(v, v), c2 = dot(centre, centre);
+  middle = middle + lobe_turns(m, arcs[ELLIPSE_ARCS]);
+  Mean mean = mean_about(m, round_middle(m, unit(cone.centre), (u2 + v2) / max(c2, TINY), middle, flux), flux);
   for (int n = 0; n <= ELLIPSE_ARCS; ++n) {
     mean = with_arc(mean, m, arcs[n]);
   }
-  float u2 = dot(u, u), v2 = dot(v, v);
   flux = flux * pick(min(u2, v2) > 0.0f, 1.0f, 0.0f);
-  return reflected(m, dot(centre, centre) + u2 + v2, mean, flux);
+  return reflected(m, c2 + u2 + v2, mean, flux);
 }
 
 // ---- GGX by its parameters ----
