@@ -106,7 +106,7 @@ in range.
 [0.999, 0.951, 0.432]
 >>> wall = np.array([[-1, 3, 0.2], [1, 3, 0.2], [1, 3, 1.2], [-1, 3, 1.2]])
 >>> [round(float(microfacet_polygon(wall, [0, -3, 0.7], 0.1, f0=0.04, index=index)), 3) for index in (0, 1, 1.5)]
-[0.169, 0.023, 0.165]
+[0.169, 0.022, 0.164]
 )");
     m.def("microfacet_sphere", &sphere, py::arg("centre"), py::arg("radius"), py::arg("view"), py::arg("alpha"),
           py::arg("brdf") = "ggx", py::arg("f0") = 1.0, py::arg("index") = 0.0,
