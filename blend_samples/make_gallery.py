@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write gallery.blend: lamps of every shape over balls and plates from mirror-like to dull, with smoke before one lamp.
+"""Write gallery.blend: lamps of every shape and meshes that shine, over balls and plates from mirror-like to dull, with
+smoke before one lamp.
 
 Run with:  blender -b --factory-startup --python-exit-code 3 --python blend_samples/make_gallery.py
 The smoke is frames/wisp.vdb, which make_frames.py writes.
@@ -83,6 +84,28 @@ def lamps() -> None:
     make.add("Sphere", sphere, (-3.4, -2.8, 2.6), Vector((0.0, 0.0, 0.0)))
 
 
+def glowing(name: str, colour: make.Colour, strength: float) -> None:
+    """The active object shines."""
+    made = bpy.data.materials.new(name)
+    made.diffuse_color = (*colour, 1.0)
+    made.use_nodes = True
+    shader = made.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    shader.inputs["Specular"].default_value = 0.0
+    shader.inputs["Emission"].default_value = (*colour, 1.0)
+    shader.inputs["Emission Strength"].default_value = strength
+    make.named(name).data.materials.append(made)
+
+
+def meshes_that_shine() -> None:
+    """A cube among the balls, and a triangle on its edge."""
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(1.2, -1.62, 0.1), rotation=(0.0, 0.0, 0.5))
+    glowing("Ember", (1.0, 0.3, 0.08), 5.0)
+    place, turn = (-1.25, -1.62, 0.1), (math.radians(80.0), 0.0, -0.5)
+    bpy.ops.mesh.primitive_circle_add(vertices=3, radius=0.2, fill_type="NGON", location=place, rotation=turn)
+    glowing("Sign", (0.1, 0.9, 0.7), 4.0)
+
+
 def smoke() -> None:
     """A thread that drifts across the light of the sphere."""
     data = bpy.data.volumes.new("Wisp")
@@ -109,6 +132,7 @@ def main() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     things()
     lamps()
+    meshes_that_shine()
     smoke()
     view()
     make.output()

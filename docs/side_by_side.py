@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/side_by_side.png: the plume by Cycles in five times the time, by Sfumato, and by Cycles in 300 times the time.
+"""docs/side_by_side.png, the plume by Cycles in five times the time, by Sfumato, and by Cycles in 300 times the time; and
+docs/gallery.png, the gallery by Sfumato and by Cycles.
 
 blender -b blend_samples/plume.blend --addons sfumato --python docs/side_by_side.py
+blender -b blend_samples/gallery.blend --addons sfumato --python docs/side_by_side.py
 """
 
 from __future__ import annotations
@@ -13,8 +15,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-OUT = Path(__file__).resolve().parent / "side_by_side.png"
-CROP = (slice(0, 345), slice(60, 480))  # rows from the bottom, columns
+DOCS = Path(__file__).resolve().parent
+# Rows from the bottom, columns; engines and samples of Cycles; the picture.
+SAMPLES = {
+    "plume": ((slice(0, 345), slice(60, 480)), (("CYCLES", 1), ("SFUMATO", 1), ("CYCLES", 64)), "side_by_side.png"),
+    "gallery": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "gallery.png"),
+}
 
 
 def shown(engine: str, samples: int) -> NDArray[np.float32]:
@@ -33,12 +39,13 @@ def shown(engine: str, samples: int) -> NDArray[np.float32]:
 
 
 def main() -> None:
-    parts = [shown(engine, samples)[CROP] for engine, samples in (("CYCLES", 1), ("SFUMATO", 1), ("CYCLES", 64))]
+    crop, renders, name = SAMPLES[Path(bpy.data.filepath).stem]
+    parts = [shown(engine, samples)[crop] for engine, samples in renders]
     gap = np.ones((parts[0].shape[0], 6, 4), dtype=np.float32)
-    row = np.concatenate((parts[0], gap, parts[1], gap, parts[2]), axis=1)
+    row = np.concatenate([part for picture in parts for part in (picture, gap)][:-1], axis=1)
     image = bpy.data.images.new("row", row.shape[1], row.shape[0])
     image.pixels.foreach_set(row.ravel())
-    image.filepath_raw, image.file_format = str(OUT), "PNG"
+    image.filepath_raw, image.file_format = str(DOCS / name), "PNG"
     image.save()
 
 
