@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -26,17 +27,28 @@ int film_turn(int x, int y) {
 struct Image {
     Output output;
     int width, height;
-    std::vector<float> rgba;     // premultiplied
-    std::vector<float> surfaces; // mean radiance of the surfaces, were there no smoke; or the mean share in shadow
-    std::vector<float> seen;     // the share of it that the smoke leaves
-    std::vector<float> distance; // at the pixel's centre
+    std::vector<float> rgba;       // premultiplied
+    std::vector<float> surfaces;   // mean radiance of the surfaces, were there no smoke; or the mean share in shadow
+    std::vector<float> unshadowed; // the radiance, were there no shadows of solids either
+    std::vector<float> seen;       // the share of it that the smoke leaves
+    std::vector<float> distance;   // at the pixel's centre
 
     Image(Output what, int w, int h)
-        : output(what), width(w), height(h), rgba(4 * at(0, h)), surfaces(at(0, h)), seen(at(0, h)),
-          distance(at(0, h)) {}
+        : output(what), width(w), height(h), rgba(4 * at(0, h)), surfaces(at(0, h)), unshadowed(at(0, h)),
+          seen(at(0, h)), distance(at(0, h)) {}
+
+    [[nodiscard]] bool is_radiance() const { return output == Output::PICTURE || output == Output::SURFACES; }
 
     [[nodiscard]] std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    }
+
+    void set_colour(std::size_t pixel, const Traced &light, int lane) {
+        float *const to = rgba.data() + 4 * pixel;
+        for (int c = 0; c < 3; ++c) {
+            to[c] = light.radiance[c][lane];
+        }
+        to[3] = light.alpha[lane];
     }
 };
 
@@ -59,45 +71,53 @@ void trace_row(const Kernels &with, const FrameView &view, bool spread, Image &i
         with.trace(view, image.output, packet, light);
         for (int lane = 0; lane < lanes && x0 + lane < image.width; ++lane) {
             const std::size_t pixel = image.at(x0 + lane, y);
-            float *rgba = image.rgba.data() + 4 * pixel;
-            for (int c = 0; c < 3; ++c) {
-                rgba[c] = light.radiance[c][lane];
-            }
+            image.set_colour(pixel, light, lane);
             image.surfaces[pixel] = light.surface[lane];
+            image.unshadowed[pixel] = light.unshadowed[lane];
             image.seen[pixel] = light.seen[lane];
-            rgba[3] = light.alpha[lane];
             image.distance[pixel] = light.distance[lane];
         }
     }
 }
 
+// What of a pixel one sample cannot tell.
+enum class Unsure : std::uint8_t { NOTHING, SHADOWS, ALL };
+
 // Whether surfaces or their shadows change around a pixel by more than one sample can tell. Filtering leaves a linear
 // ramp as it is, so what counts is how far a pixel is from the middle between two opposite neighbours: of that, what
-// shows through the smoke.
-bool is_edge(const Image &image, int x, int y) {
-    constexpr float CONTRAST = 0.03F;
+// shows through the smoke. Where without the shadows of solids nothing would change, and the surface is the same, only
+// they are looked at again.
+Unsure unsure_of(const Image &image, int x, int y) {
+    constexpr float CONTRAST = 0.03F, STEP = 0.02F;
     const auto at = [&image](int i, int j) {
         return image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1));
     };
     const std::size_t centre = at(x, y);
     const float *rgba = image.rgba.data() + 4 * centre;
     const float mean = (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
-    const bool radiance = image.output == Output::PICTURE || image.output == Output::SURFACES;
-    const float brightness = radiance ? mean : 1.0F - mean; // a share in shadow leaves the rest
+    const float brightness = image.is_radiance() ? mean : 1.0F - mean; // a share in shadow leaves the rest
     constexpr std::array<std::array<int, 2>, 4> WAYS = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+    Unsure found = Unsure::NOTHING;
     for (const auto &[dx, dy] : WAYS) {
         const std::size_t before = at(x - dx, y - dy), after = at(x + dx, y + dy);
-        const float bend = std::abs(image.surfaces[before] + image.surfaces[after] - 2.0F * image.surfaces[centre]);
+        const auto bend = [&](const std::vector<float> &values) {
+            return std::abs(values[before] + values[after] - 2.0F * values[centre]);
+        };
         const float seen = std::max({image.seen[before], image.seen[centre], image.seen[after]});
         const float alpha = std::abs(image.rgba[4 * before + 3] - image.rgba[4 * after + 3]);
         const bool rim = (image.distance[before] > 2.0F * image.distance[after] ||
                           image.distance[after] > 2.0F * image.distance[before]) &&
                          alpha > CONTRAST;
-        if (bend * seen > CONTRAST * (brightness + bend * seen) || rim) {
-            return true;
+        const float change = bend(image.surfaces) * seen, unshadowed = bend(image.unshadowed);
+        const bool edge = change > CONTRAST * (brightness + change);
+        const bool shadow = image.is_radiance() && unshadowed <= CONTRAST * (image.unshadowed[centre] + unshadowed) &&
+                            bend(image.distance) <= STEP * image.distance[centre];
+        if (rim || (edge && !shadow)) {
+            return Unsure::ALL;
         }
+        found = edge ? Unsure::SHADOWS : found;
     }
-    return false;
+    return found;
 }
 
 void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<FilmSample> &samples, Image &image,
@@ -131,6 +151,37 @@ void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<
     }
 }
 
+// The same for some pixels of a row, as many at a time as there are lanes, where it is only shadows that change.
+void refine_shadows(const Kernels &with, const FrameView &view, std::span<const std::vector<FilmSample>> patterns,
+                    Image &image, std::span<const int> columns, int y) {
+    const auto lanes = static_cast<std::size_t>(with.lanes);
+    std::vector<ShadowSample> samples(patterns.front().size());
+    Packet packet;
+    packet.shadows = samples;
+    Traced light;
+    const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
+    for (std::size_t first = 0; first < columns.size(); first += lanes) {
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const int x = columns[std::min(first + lane, columns.size() - 1)];
+            const float column = static_cast<float>(x) + 0.5F, row = static_cast<float>(y) + 0.5F;
+            packet.u[lane] = column / width;
+            packet.v[lane] = row / height;
+            packet.active[lane] = first + lane < columns.size() ? 1.0F : 0.0F;
+            const std::vector<FilmSample> &pattern = patterns[static_cast<std::size_t>(film_turn(x, y))];
+            for (std::size_t k = 0; k < samples.size(); ++k) {
+                samples[k].u[lane] = (column + pattern[k].x) / width;
+                samples[k].v[lane] = (row + pattern[k].y) / height;
+                samples[k].light_u[lane] = pattern[k].light_u;
+                samples[k].light_v[lane] = pattern[k].light_v;
+            }
+        }
+        with.trace(view, image.output, packet, light);
+        for (std::size_t lane = 0; lane < lanes && first + lane < columns.size(); ++lane) {
+            image.set_colour(image.at(columns[first + lane], y), light, static_cast<int>(lane));
+        }
+    }
+}
+
 // Runs body(y) for each row of an image on all cores, asking `progress` between chunks of rows. False if it was
 // stopped.
 template <typename Body>
@@ -156,17 +207,17 @@ bool refine(const Kernels &with, const FrameView &view, int edge_samples, const 
         patterns.push_back(film_samples(edge_samples, turn));
     }
     // Which pixels are edges is settled before any of them changes.
-    std::vector<std::uint8_t> edge(image.distance.size());
+    std::vector<Unsure> unsure(image.distance.size());
     oneapi::tbb::parallel_for(0, image.height, [&](int y) {
         for (int x = 0; x < image.width; ++x) {
-            edge[image.at(x, y)] = is_edge(image, x, y) ? 1 : 0;
+            unsure[image.at(x, y)] = unsure_of(image, x, y);
         }
     });
     // A pixel and its eight neighbours may all miss a thin shadow or a corner of a light; their neighbours' do not.
-    const auto beside_edge = [&](int x, int y) {
+    const auto beside_shadow = [&](int x, int y) {
         for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.height - 1); ++j) {
             for (int i = std::max(x - 1, 0); i <= std::min(x + 1, image.width - 1); ++i) {
-                if (edge[image.at(i, j)] != 0) {
+                if (unsure[image.at(i, j)] == Unsure::SHADOWS) {
                     return true;
                 }
             }
@@ -174,11 +225,15 @@ bool refine(const Kernels &with, const FrameView &view, int edge_samples, const 
         return false;
     };
     return in_chunks(image, 0.5, 0.5, progress, [&](int y) {
+        std::vector<int> shadows;
         for (int x = 0; x < image.width; ++x) {
-            if (beside_edge(x, y)) {
+            if (unsure[image.at(x, y)] == Unsure::ALL) {
                 refine_pixel(with, view, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
+            } else if (beside_shadow(x, y)) {
+                shadows.push_back(x);
             }
         }
+        refine_shadows(with, view, patterns, image, shadows, y);
     });
 }
 

@@ -178,6 +178,7 @@ void smoke_transmittance(const FrameView &frame, const LightView &light, const v
 // The light that a packet's surfaces send to the eye, with the shadow of the smoke and without.
 struct Reflected {
     Real shadowed[3], open[3];
+    Real unshadowed; // without shadows of solids either, the mean of the colours
 };
 
 void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
@@ -209,14 +210,49 @@ Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3
     return pick(asked, visible, pick(above, 0.0F, 1.0F));
 }
 
+Ray ray_through(const FrameView &frame, Real u, Real v) {
+    const auto &c = frame.camera;
+    return camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
+                      broadcast(c[5]), u, v);
+}
+
+// Where another ray meets the plane of a surface; where that is far away, as it is on one seen edge-on, `start`, a
+// point on it.
+vec3 beside(const Surface &surface, const vec3 &start, const Ray &other) {
+    const vec3 &normal = surface.geometric_normal;
+    const Real facing = min(dot(other.direction, normal), -1e-6F);
+    const Real distance = dot(start - other.origin, normal) / facing;
+    const Mask near = abs(distance - surface.distance) < 0.1F * surface.distance;
+    return pick(near, other.origin + other.direction * distance, start);
+}
+
+// The share of a light that solids leave a surface: of the packet's shadow samples, or of the one that the ray stands
+// for.
+Real light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface, const LightView &light,
+                       const vec3 &start) {
+    if (packet.shadows.empty()) {
+        const Real u = Real::load_aligned(packet.light_u), v = Real::load_aligned(packet.light_v);
+        return solid_visibility(frame, surface, start, sample_towards(light, start, u, v));
+    }
+    Real sum = 0.0F;
+    for (const ShadowSample &sample : packet.shadows) {
+        const vec3 from =
+            beside(surface, start, ray_through(frame, Real::load_aligned(sample.u), Real::load_aligned(sample.v)));
+        const Real u = Real::load_aligned(sample.light_u), v = Real::load_aligned(sample.light_v);
+        sum = sum + solid_visibility(frame, surface, from, sample_towards(light, from, u, v));
+    }
+    return sum * (1.0F / static_cast<float>(packet.shadows.size()));
+}
+
 Reflected reflected(const FrameView &frame, Output output, const Packet &packet, const Ray &ray,
                     const Surface &surface) {
-    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F};
     const bool picture = output == Output::PICTURE || output == Output::SURFACES;
     if (picture) {
         const Real emissions[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
         for (int c = 0; c < 3; ++c) {
             out.open[c] = out.shadowed[c] = emissions[c];
+            out.unshadowed = out.unshadowed + emissions[c] * (1.0F / 3.0F);
         }
     }
     const vec3 point = ray.origin + ray.direction * surface.distance;
@@ -238,8 +274,6 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         if (picture && !any_lit) {
             continue;
         }
-        const Towards towards =
-            sample_towards(light, start, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
         if (!picture) {
             // From the light's middle: a share's denominator must not depend on where this sample fell.
             const Real irradiance = pick(surface.hit, sample_towards(light, start, 0.5F, 0.5F).irradiance, 0.0F);
@@ -250,14 +284,15 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         if (!any_lit) {
             continue;
         }
-        const Real visible = pick(lit, solid_visibility(frame, surface, start, towards), 0.0F);
+        const Real visible = pick(lit, light_past_solids(frame, packet, surface, light, start), 0.0F);
         Real through[3];
         smoke_transmittance(frame, light, point, through);
         for (int c = 0; c < 3; ++c) {
             if (picture) {
                 const Real edge = surface.edge * (1.0F - reflectances[c]);
-                const Real sent =
-                    (albedos[c] * diffuse + reflectances[c] * plain + edge * fresnel) * (visible * light.strength[c]);
+                const Real all = (albedos[c] * diffuse + reflectances[c] * plain + edge * fresnel) * light.strength[c];
+                const Real sent = all * visible;
+                out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
                 out.open[c] = out.open[c] + sent;
                 out.shadowed[c] = out.shadowed[c] + sent * through[c];
                 continue;
@@ -430,9 +465,7 @@ void store_plain(const Real rgb[3], Mask hit, Traced &out) {
 
 void trace(const FrameView &frame, Output output, const Packet &packet, Traced &out) {
     const Mask active = Real::load_aligned(packet.active) > 0.0F;
-    const auto &c = frame.camera;
-    const Ray ray = camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
-                               broadcast(c[5]), Real::load_aligned(packet.u), Real::load_aligned(packet.v));
+    const Ray ray = ray_through(frame, Real::load_aligned(packet.u), Real::load_aligned(packet.v));
     const Surface surface = first_surface(frame.surfaces, ray, active);
     surface.distance.store_aligned(out.distance);
 
@@ -441,16 +474,19 @@ void trace(const FrameView &frame, Output output, const Packet &packet, Traced &
     for (int i = 0; i < 3; ++i) {
         shadowed[i] = open[i] = picture ? frame.background[i] : 0.0F;
     }
+    Real unshadowed = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
     if (xsimd::any(surface.hit)) {
         const Reflected light = reflected(frame, output, packet, ray, surface);
         for (int i = 0; i < 3; ++i) {
             shadowed[i] = pick(surface.hit, light.shadowed[i], shadowed[i]);
             open[i] = pick(surface.hit, light.open[i], open[i]);
         }
+        unshadowed = pick(surface.hit, light.unshadowed, unshadowed);
     }
     const Real *const seen = picture ? open : shadowed;
     const Real brightness = (seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F);
     brightness.store_aligned(out.surface);
+    unshadowed.store_aligned(out.unshadowed);
     if (output != Output::PICTURE || frame.media.empty()) {
         store_plain(shadowed, surface.hit, out);
         Real(1.0F).store_aligned(out.seen);

@@ -156,19 +156,29 @@ enum class Output : std::uint8_t {
     ALL_SHADOWS   // the share of its light that smoke and solids take
 };
 
+// Where on the image, and on every light, the shadows of solids are looked at: as Packet's, for each lane.
+struct ShadowSample {
+    alignas(64) float u[MAX_LANES], v[MAX_LANES];
+    alignas(64) float light_u[MAX_LANES], light_v[MAX_LANES];
+};
+
 // Samples in, light out; as many as the kernel has lanes.
 struct Packet {
     alignas(64) float u[MAX_LANES], v[MAX_LANES];             // where on the image, in [0, 1]
     alignas(64) float light_u[MAX_LANES], light_v[MAX_LANES]; // where on every light, in [0, 1]^2
     alignas(64) float active[MAX_LANES];                      // 1, or 0 for lanes to spare
+    // Shadows of solids are averaged over these, as they fall on the plane of the surface that the ray itself meets.
+    // Where there are none, from the ray itself, and light_u and light_v.
+    std::span<const ShadowSample> shadows;
 };
 
 struct Traced {
     alignas(64) float radiance[3][MAX_LANES];
     alignas(64) float alpha[MAX_LANES];
-    alignas(64) float surface[MAX_LANES];  // mean radiance of the surface, were there no smoke; or mean share in shadow
-    alignas(64) float seen[MAX_LANES];     // the share of it that the smoke leaves
-    alignas(64) float distance[MAX_LANES]; // to the first surface, or the ray's reach
+    alignas(64) float surface[MAX_LANES]; // mean radiance of the surface, were there no smoke; or mean share in shadow
+    alignas(64) float unshadowed[MAX_LANES]; // the radiance, were there no shadows of solids either
+    alignas(64) float seen[MAX_LANES];       // the share of it that the smoke leaves
+    alignas(64) float distance[MAX_LANES];   // to the first surface, or the ray's reach
 };
 
 struct Kernels {
