@@ -29,15 +29,13 @@ struct Image {
     int width, height;
     std::vector<float> rgba;       // premultiplied
     std::vector<float> surfaces;   // mean radiance of the surfaces, were there no smoke; or the mean share in shadow
-    std::vector<float> unshadowed; // the radiance, were there no shadows of solids either
+    std::vector<float> unshadowed; // the radiance, or irradiance, were there no shadows of solids either
     std::vector<float> seen;       // the share of it that the smoke leaves
     std::vector<float> distance;   // at the pixel's centre
 
     Image(Output what, int w, int h)
         : output(what), width(w), height(h), rgba(4 * at(0, h)), surfaces(at(0, h)), unshadowed(at(0, h)),
           seen(at(0, h)), distance(at(0, h)) {}
-
-    [[nodiscard]] bool is_radiance() const { return output == Output::PICTURE || output == Output::SURFACES; }
 
     [[nodiscard]] std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
@@ -95,7 +93,8 @@ Unsure unsure_of(const Image &image, int x, int y) {
     const std::size_t centre = at(x, y);
     const float *rgba = image.rgba.data() + 4 * centre;
     const float mean = (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
-    const float brightness = image.is_radiance() ? mean : 1.0F - mean; // a share in shadow leaves the rest
+    const bool radiance = image.output == Output::PICTURE || image.output == Output::SURFACES;
+    const float brightness = radiance ? mean : 1.0F - mean; // a share in shadow leaves the rest
     constexpr std::array<std::array<int, 2>, 4> WAYS = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
     Unsure found = Unsure::NOTHING;
     for (const auto &[dx, dy] : WAYS) {
@@ -110,7 +109,7 @@ Unsure unsure_of(const Image &image, int x, int y) {
                          alpha > CONTRAST;
         const float change = bend(image.surfaces) * seen, unshadowed = bend(image.unshadowed);
         const bool edge = change > CONTRAST * (brightness + change);
-        const bool shadow = image.is_radiance() && unshadowed <= CONTRAST * (image.unshadowed[centre] + unshadowed) &&
+        const bool shadow = unshadowed <= CONTRAST * (image.unshadowed[centre] + unshadowed) &&
                             bend(image.distance) <= STEP * image.distance[centre];
         if (rim || (edge && !shadow)) {
             return Unsure::ALL;

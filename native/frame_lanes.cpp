@@ -178,7 +178,7 @@ void smoke_transmittance(const FrameView &frame, const LightView &light, const v
 // The light that a packet's surfaces send to the eye, with the shadow of the smoke and without.
 struct Reflected {
     Real shadowed[3], open[3];
-    Real unshadowed; // without shadows of solids either, the mean of the colours
+    Real unshadowed; // without shadows of solids either, the mean of the colours; of shadows, the irradiance
 };
 
 void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
@@ -299,6 +299,7 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
             }
             // The share of light that is missing, of all that would be there if the surface faced every light.
             const Real all = diffuse * (3.14159265F * light.strength[c]);
+            out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
             const Real solid = all * visible;
             out.shadowed[c] = out.shadowed[c] + ((output == Output::ALL_SHADOWS ? all : solid) - solid * through[c]);
         }

@@ -176,7 +176,7 @@ struct Traced {
     alignas(64) float radiance[3][MAX_LANES];
     alignas(64) float alpha[MAX_LANES];
     alignas(64) float surface[MAX_LANES]; // mean radiance of the surface, were there no smoke; or mean share in shadow
-    alignas(64) float unshadowed[MAX_LANES]; // the radiance, were there no shadows of solids either
+    alignas(64) float unshadowed[MAX_LANES]; // radiance, or irradiance, were there no shadows at all
     alignas(64) float seen[MAX_LANES];       // the share of it that the smoke leaves
     alignas(64) float distance[MAX_LANES];   // to the first surface, or the ray's reach
 };
