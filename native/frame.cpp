@@ -119,34 +119,39 @@ Unsure unsure_of(const Image &image, int x, int y) {
     return found;
 }
 
-void refine_pixel(const Kernels &with, const FrameView &view, const std::vector<FilmSample> &samples, Image &image,
-                  int x, int y) {
-    const int lanes = with.lanes;
-    const auto count = static_cast<int>(samples.size());
+// Samples some pixels of a row: of each its own pattern, in as few packets as hold them all.
+void refine_pixels(const Kernels &with, const FrameView &view, std::span<const std::vector<FilmSample>> patterns,
+                   Image &image, std::span<const int> columns, int y) {
+    const auto lanes = static_cast<std::size_t>(with.lanes), count = patterns.front().size();
+    const std::size_t all = columns.size() * count;
+    std::vector<std::array<double, 4>> sums(columns.size());
     Packet packet;
     Traced light;
-    std::array<double, 4> sum{};
-    for (int first = 0; first < count; first += lanes) {
-        for (int lane = 0; lane < lanes; ++lane) {
-            const bool active = first + lane < count;
-            const FilmSample &s = samples[static_cast<std::size_t>(active ? first + lane : first)];
+    for (std::size_t first = 0; first < all; first += lanes) {
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            const std::size_t at = std::min(first + lane, all - 1);
+            const int x = columns[at / count];
+            const FilmSample &s = patterns[static_cast<std::size_t>(film_turn(x, y))][at % count];
             packet.u[lane] = (static_cast<float>(x) + 0.5F + s.x) / static_cast<float>(image.width);
             packet.v[lane] = (static_cast<float>(y) + 0.5F + s.y) / static_cast<float>(image.height);
             packet.light_u[lane] = s.light_u;
             packet.light_v[lane] = s.light_v;
-            packet.active[lane] = active ? 1.0F : 0.0F;
+            packet.active[lane] = first + lane < all ? 1.0F : 0.0F;
         }
         with.trace(view, image.output, packet, light);
-        for (int lane = 0; lane < lanes && first + lane < count; ++lane) {
+        for (std::size_t lane = 0; lane < lanes && first + lane < all; ++lane) {
+            std::array<double, 4> &sum = sums[(first + lane) / count];
             for (std::size_t c = 0; c < 3; ++c) {
                 sum[c] += static_cast<double>(light.radiance[c][lane]);
             }
             sum[3] += static_cast<double>(light.alpha[lane]);
         }
     }
-    float *rgba = image.rgba.data() + 4 * image.at(x, y);
-    for (std::size_t c = 0; c < 4; ++c) {
-        rgba[c] = static_cast<float>(sum[c] / count);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        float *const rgba = image.rgba.data() + 4 * image.at(columns[i], y);
+        for (std::size_t c = 0; c < 4; ++c) {
+            rgba[c] = static_cast<float>(sums[i][c] / static_cast<double>(count));
+        }
     }
 }
 
@@ -224,14 +229,15 @@ bool refine(const Kernels &with, const FrameView &view, int edge_samples, const 
         return false;
     };
     return in_chunks(image, 0.5, 0.5, progress, [&](int y) {
-        std::vector<int> shadows;
+        std::vector<int> edges, shadows;
         for (int x = 0; x < image.width; ++x) {
             if (unsure[image.at(x, y)] == Unsure::ALL) {
-                refine_pixel(with, view, patterns[static_cast<std::size_t>(film_turn(x, y))], image, x, y);
+                edges.push_back(x);
             } else if (beside_shadow(x, y)) {
                 shadows.push_back(x);
             }
         }
+        refine_pixels(with, view, patterns, image, edges, y);
         refine_shadows(with, view, patterns, image, shadows, y);
     });
 }
