@@ -61,12 +61,10 @@ def add_emitters(
     """
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     glowing = radiance.any(axis=1) & (area > 1e-12)
-    polygons = polygons_of(corners[glowing], radiance[glowing])
-    if len(polygons) > MOST_POLYGONS:
-        notices.append(
-            f"{name}: it emits, but lights nothing: it has {len(polygons)} faces that glow, and at most "
-            f"{MOST_POLYGONS} of three or four corners can"
-        )
+    few = int(glowing.sum()) <= 2 * MOST_POLYGONS
+    polygons = polygons_of(corners[glowing], radiance[glowing]) if few else []
+    if not few or len(polygons) > MOST_POLYGONS:
+        notices.append(f"{name}: it emits, but lights nothing: more than {MOST_POLYGONS} of its faces do")
         return 0
     for polygon, colour in polygons:
         scene.add_polygon(polygon, colour)
