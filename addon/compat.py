@@ -90,6 +90,12 @@ def metals_have_an_index() -> bool:
     return bool(bpy.app.version < (4, 0, 0))
 
 
+def diffuse_roughness(principled: Any) -> float:
+    """Of Burley's diffuse surfaces, as Cycles has them in a Principled BSDF before 4.0; -1 for Lambert's, as it has since."""
+    old = bpy.app.version < (4, 0, 0)
+    return float(np.clip(principled.inputs["Roughness"].default_value, 0.0, 1.0)) if old else -1.0
+
+
 def emission_socket(principled: Any) -> str:
     """The name of the socket of the colour in which a Principled BSDF glows."""
     return "Emission Color" if "Emission Color" in principled.inputs else "Emission"  # 4.0

@@ -55,6 +55,7 @@ class Surface:
     index: float = 0.0
     alpha: tuple[float, float] = (0.0, 0.0)
     emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    diffuse_roughness: float = -1.0  # Lambert's
 
     @property
     def gloss(self) -> tuple[float, ...]:
@@ -90,9 +91,10 @@ def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
     # One curve has to do for both layers: of those that differ, that of the one which there is more of.
     curved = metallic <= 0.5 or compat.metals_have_an_index()
     index = index_of(plain) if curved else 0.0
-    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0, index, emission=emission)
+    rough = compat.diffuse_roughness(shader)
+    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0, index, emission=emission, diffuse_roughness=rough)
     if reflectance.max() <= 0.0 and surface.index == 1.0:  # not even at the edge, as a black metal does
-        return Surface(surface.albedo, emission=emission)
+        return Surface(surface.albedo, emission=emission, diffuse_roughness=rough)
     anisotropy = value_of(shader, "Anisotropic", owner, [])
     if anisotropy > 0.0 and value_of(shader, "Anisotropic Rotation", owner, []) > 0.0:
         notices.append(f"{owner}: 'Anisotropic Rotation' is not followed yet")

@@ -104,7 +104,18 @@ def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> int:
     if any(surface.alpha[0] != surface.alpha[1] for surface in surfaces):
         tangents = (radial_tangents(vertices.reshape(-1, 3)) @ matrix[:3, :3].T)[corners]
     emission = np.array([surface.emission for surface in surfaces])
-    out.scene.add_mesh(world, corners, turned, slots, albedo, gloss, tangents, emission if emission.any() else None)
+    rough = np.array([surface.diffuse_roughness for surface in surfaces])
+    out.scene.add_mesh(
+        world,
+        corners,
+        turned,
+        slots,
+        albedo,
+        gloss,
+        tangents,
+        emission=emission if emission.any() else None,
+        diffuse_roughness=rough if rough.max() >= 0.0 else None,
+    )
     return lights.add_emitters(out.scene, world[corners], emission[slots], thing.name, out.notices)
 
 

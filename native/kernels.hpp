@@ -127,14 +127,15 @@ struct LightSlice {
     int z = 0;
 };
 
-constexpr int MATERIAL_FLOATS = 14;
+constexpr int MATERIAL_FLOATS = 15;
 
 // The triangles' attributes, indexed by Embree's primitive number.
 struct SurfaceView {
     RTCScene scene = nullptr;
     const float *corner_normals = nullptr;  // nine floats a triangle
     const std::int32_t *material = nullptr; // one a triangle
-    // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, index, emission
+    // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, index, emission,
+    // diffuse roughness (negative for none)
     const float *properties = nullptr;
     const float *corner_tangents = nullptr; // nine floats a triangle; null where no mesh has any
 };

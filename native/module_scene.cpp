@@ -36,7 +36,8 @@ std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
 
 void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
               const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
-              const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission) {
+              const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission,
+              const std::optional<Floats> &diffuse_roughness) {
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
     const py::ssize_t count = triangles.shape(0);
@@ -70,6 +71,11 @@ void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, co
         require_shape(*emission, {albedo.shape(0), 3}, "emission");
         require_range(*emission, 0.0F, 1e30F, "emission");
         vectors(*emission, mesh.emission);
+    }
+    if (diffuse_roughness) {
+        require_shape(*diffuse_roughness, {albedo.shape(0)}, "diffuse_roughness");
+        require_range(*diffuse_roughness, -1.0F, 1.0F, "diffuse_roughness");
+        mesh.diffuse_roughness.assign(diffuse_roughness->data(), diffuse_roughness->data() + diffuse_roughness->size());
     }
     const auto *normals = reinterpret_cast<const glm::vec3 *>(corner_normals.data());
     for (std::size_t first = 0; first < corners.size(); first += 3) {
@@ -231,6 +237,7 @@ void bind_scene(py::module_ &m) {
         .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::arg("corner_normals"),
              py::arg("material"), py::arg("albedo"), py::arg("gloss") = py::none(),
              py::arg("corner_tangents") = py::none(), py::arg("emission") = py::none(),
+             py::arg("diffuse_roughness") = py::none(),
              R"(Add triangles that reflect diffusely, and with gloss.
 
 vertices (n, 3), metres in world space; triangles (m, 3), indices into vertices; corner_normals (m, 3, 3), unit
@@ -240,6 +247,7 @@ alpha along the tangent and across it, both 0 for no gloss, and 1 where masking 
 two G1) and 0 where they go by height (Heitz 2014, eq 99); last, the index of refraction of microfacet_polygon, by which
 reflectance rises between straight on and grazing. corner_tangents (m, 3, 3). emission (k, 3), the radiance in
 W/(m^2 sr) that the surface sends to the eye by itself; what it lights, add_polygon does.
+diffuse_roughness (k,), in [0, 1] that of Burley's diffuse surfaces (2012), -1 for Lambert's, which all are without it.
 Raises ValueError for wrong shapes, indices out of range and values that are not finite or not in range.
 
 >>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])

@@ -32,6 +32,7 @@ struct Mesh {
     std::vector<std::array<glm::vec3, 3>> corner_normals; // one triple per triangle, unit length
     std::vector<std::uint32_t> material;                  // one per triangle, index into albedo
     std::vector<glm::vec3> albedo;
+    std::vector<float> diffuse_roughness;                  // Burley's (2012), one for each albedo; or none: Lambert's
     std::vector<Gloss> gloss;                              // one for each albedo; or none
     std::vector<std::array<glm::vec3, 3>> corner_tangents; // as corner_normals; or none
     std::vector<glm::vec3> emission; // radiance on both sides, one for each albedo; or none. A POLYGON is its light

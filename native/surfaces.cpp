@@ -59,10 +59,11 @@ Surfaces::Surfaces(std::span<const Mesh> meshes) {
             const glm::vec3 &albedo = mesh.albedo[i];
             const Gloss gloss = i < mesh.gloss.size() ? mesh.gloss[i] : Gloss{};
             const glm::vec3 &f0 = gloss.reflectance;
+            const float rough = i < mesh.diffuse_roughness.size() ? mesh.diffuse_roughness[i] : -1.0F;
             const glm::vec3 emission = i < mesh.emission.size() ? mesh.emission[i] : glm::vec3(0.0F);
             properties_.insert(properties_.end(), {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge,
                                                    gloss.alpha[0], gloss.alpha[1], gloss.apart ? 1.0F : 0.0F,
-                                                   gloss.index, emission.x, emission.y, emission.z});
+                                                   gloss.index, emission.x, emission.y, emission.z, rough});
         }
     }
     rtcCommitGeometry(geometry);

@@ -22,6 +22,7 @@ struct Surface {
     vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
     Real edge, alpha_x, alpha_y, apart, index;
     vec3 emission;
+    Real diffuse_roughness;
 };
 
 // Embree's packets want -1 for lanes that trace and 0 for those that rest.
@@ -116,6 +117,7 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     surface.apart = property(9);
     surface.index = property(10);
     surface.emission = {property(11), property(12), property(13)};
+    surface.diffuse_roughness = property(14);
     surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
     if (surface.glossy) {
         surface.tangents = plane_across(surface.normal);
@@ -243,6 +245,17 @@ Real light_past_solids(const FrameView &frame, const Packet &packet, const Surfa
     return sum * (1.0F / static_cast<float>(packet.shadows.size()));
 }
 
+// Of light from the middle of a light, for all of it.
+Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, const vec3 &direction) {
+    if (!xsimd::any(surface.diffuse_roughness >= 0.0F)) {
+        return 1.0F;
+    }
+    const vec3 towards =
+        light.kind == Light::Kind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+    return diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction), -dot(direction, towards),
+                       surface.diffuse_roughness);
+}
+
 Reflected reflected(const FrameView &frame, Output output, const Packet &packet, const Ray &ray,
                     const Surface &surface) {
     Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F};
@@ -286,10 +299,12 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         const Real visible = pick(lit, light_past_solids(frame, packet, surface, light, start), 0.0F);
         Real through[3];
         smoke_transmittance(frame, light, point, through);
+        const Real rim = picture ? rim_of(surface, light, start, ray.direction) : Real(1.0F);
         for (int c = 0; c < 3; ++c) {
             if (picture) {
                 const Real edge = surface.edge * (1.0F - reflectances[c]);
-                const Real all = (albedos[c] * diffuse + reflectances[c] * plain + edge * fresnel) * light.strength[c];
+                const Real all =
+                    (albedos[c] * diffuse * rim + reflectances[c] * plain + edge * fresnel) * light.strength[c];
                 const Real sent = all * visible;
                 out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
                 out.open[c] = out.open[c] + sent;
