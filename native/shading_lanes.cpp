@@ -243,4 +243,9 @@ void shade(const LightView &light, ShadingPacket &packet) {
     shading.gloss.fresnel.store_aligned(packet.fresnel);
 }
 
+void weigh_gloss(ShadingPacket &packet) {
+    const Receiver r(packet);
+    microfacet_reflection(r.facets(), r.local(Receiver::load(packet.towards))).plain.store_aligned(packet.plain);
+}
+
 } // namespace sfumato::SFUMATO_ISA

@@ -227,22 +227,42 @@ vec3 beside(const Surface &surface, const vec3 &start, const Ray &other) {
     return pick(near, other.origin + other.direction * distance, start);
 }
 
-// The share of a light that solids leave a surface: of the packet's shadow samples, or of the one that the ray stands
-// for.
-Real light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface, const LightView &light,
-                       const vec3 &start) {
+// The share of a light that solids leave a surface, for what it reflects diffusely and for its gloss.
+struct PastSolids {
+    Real diffuse, gloss;
+};
+
+// Of the sample that the ray stands for; or a mean over the packet's shadow samples, each by what the surface would
+// make of it: with that the closed forms count as a control (Heitz, Hill and McGuire, "Combining analytic direct
+// illumination and stochastic shadows", 2018), and of what hides a part of a light a mirror knows only the part that it
+// shows.
+PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface,
+                             const LightView &light, const vec3 &start, ShadingPacket &shading) {
     if (packet.shadows.empty()) {
         const Real u = Real::load_aligned(packet.light_u), v = Real::load_aligned(packet.light_v);
-        return solid_visibility(frame, surface, start, sample_towards(light, start, u, v));
+        const Real visible = solid_visibility(frame, surface, start, sample_towards(light, start, u, v));
+        return {visible, visible};
     }
-    Real sum = 0.0F;
+    constexpr float NOTHING = 1e-20F; // what the surface makes nothing of is a plain mean
+    PastSolids sum{0.0F, 0.0F}, all{0.0F, 0.0F};
     for (const ShadowSample &sample : packet.shadows) {
         const vec3 from =
             beside(surface, start, ray_through(frame, Real::load_aligned(sample.u), Real::load_aligned(sample.v)));
         const Real u = Real::load_aligned(sample.light_u), v = Real::load_aligned(sample.light_v);
-        sum = sum + solid_visibility(frame, surface, from, sample_towards(light, from, u, v));
+        const Towards towards = sample_towards(light, from, u, v);
+        const Real visible = solid_visibility(frame, surface, from, towards);
+        const Real diffuse = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance + NOTHING;
+        all.diffuse = all.diffuse + diffuse;
+        sum.diffuse = sum.diffuse + diffuse * visible;
+        if (surface.glossy) {
+            store(towards.direction, shading.towards);
+            weigh_gloss(shading);
+            const Real gloss = Real::load_aligned(shading.plain) * towards.irradiance + NOTHING;
+            all.gloss = all.gloss + gloss;
+            sum.gloss = sum.gloss + gloss * visible;
+        }
     }
-    return sum * (1.0F / static_cast<float>(packet.shadows.size()));
+    return {sum.diffuse / all.diffuse, surface.glossy ? sum.gloss / all.gloss : Real(0.0F)};
 }
 
 // Of light from the middle of a light, for all of it.
@@ -296,17 +316,18 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         if (!any_lit) {
             continue;
         }
-        const Real visible = pick(lit, light_past_solids(frame, packet, surface, light, start), 0.0F);
+        const PastSolids past = light_past_solids(frame, packet, surface, light, start, packed);
+        const Real visible = pick(lit, past.diffuse, 0.0F), mirrored = pick(lit, past.gloss, 0.0F);
         Real through[3];
         smoke_transmittance(frame, light, point, through);
         const Real rim = picture ? rim_of(surface, light, start, ray.direction) : Real(1.0F);
         for (int c = 0; c < 3; ++c) {
             if (picture) {
                 const Real edge = surface.edge * (1.0F - reflectances[c]);
-                const Real all =
-                    (albedos[c] * diffuse * rim + reflectances[c] * plain + edge * fresnel) * light.strength[c];
-                const Real sent = all * visible;
-                out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
+                const Real dull = albedos[c] * diffuse * rim * light.strength[c];
+                const Real gloss = (reflectances[c] * plain + edge * fresnel) * light.strength[c];
+                const Real sent = dull * visible + gloss * mirrored;
+                out.unshadowed = out.unshadowed + (dull + gloss) * (1.0F / 3.0F);
                 out.open[c] = out.open[c] + sent;
                 out.shadowed[c] = out.shadowed[c] + sent * through[c];
                 continue;
