@@ -31,12 +31,17 @@ vec3 times(vec3 a, vec3 b)
   return vec3(a.x * b.x, a.y * b.y, a.z * b.z);
 }
 
+float root(float x)
+{
+  return x * inversesqrt(max(x, TINY));
+}
+
 // The angle of (x, y), y >= 0, from the x axis: 0 to pi. A polynomial through Chebyshev's points, 1e-8.
 float angle_of(float x, float y)
 {
   float wide = abs(x);
   float low = min(wide, y), high = max(max(wide, y), TINY);
-  float t = low / high;
+  float t = low * reciprocal(high);
   float q = t * t;
   float a = 0.00276628f * q - 0.01573125f;
   a = a * q + 0.04213762f;
@@ -78,7 +83,7 @@ struct HalfArc {
 float half_tangent(float cosine, float sine)
 {
   float safe = pick(abs(sine) > 1e-12f, sine, 1e-12f);
-  float tangent = pick(cosine > 0.0f, sine, 1.0f - cosine) / pick(cosine > 0.0f, 1.0f + cosine, safe);
+  float tangent = pick(cosine > 0.0f, sine, 1.0f - cosine) * reciprocal(pick(cosine > 0.0f, 1.0f + cosine, safe));
   return clamp(tangent, -FAR_END, FAR_END);
 }
 
@@ -87,32 +92,28 @@ vec3 mirrored(vec3 view)
   return vec3(-view.x, -view.y, view.z);
 }
 
-// The great arc from direction a to direction b, less than half a turn. s = 0 lies where the arc is nearest to the
-// mirrored view: all else is small there, so that no peak is lost to rounding.
+// The great arc from direction a to direction b, less than half a turn: s is the tangent of half the angle from its
+// middle, then from where the arc is nearest to the mirrored view or, at grazing angles and on brushed metal, whose lobe
+// is long and lies askew, one step of Newton's further towards the lobe's axis. There all else is small, so that no peak
+// is lost to rounding.
 HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
 {
-  vec3 chord = b - a;
-  float back = dot(chord, a);
-  vec3 side = unit(chord - a * back);
-  vec3 mirror = mirrored(view);
-  float x = dot(mirror, a), y = dot(mirror, side), to_b = dot(mirror, b);
-  vec3 end = pick(x > to_b, a, b);
-  vec3 nearest = pick(x * dot(b, side) < y * dot(b, a), end, unit(a * x + side * y));
-  // Seen from a pole of its circle, all of the arc is equally near.
-  nearest = pick(x * x + y * y < 1e-12f, a, nearest);
-  vec3 axis = pick(y < 0.0f, end, nearest);
-  float along = dot(chord, axis);
-  side = unit(chord - axis * along);
-  // At grazing angles and on brushed metal the lobe is long and lies askew: one step of Newton's towards its axis.
   float two = 2.0f;
-  vec3 p = times(stretch, view + axis), slope = times(stretch, side * two);
+  vec3 sum = a + b, chord = b - a, mirror = mirrored(view);
+  float sum2 = dot(sum, sum), chord2 = dot(chord, chord);
+  float by_sum = inversesqrt(max(sum2, TINY)), by_chord = inversesqrt(max(chord2, TINY));
+  vec3 axis = sum * by_sum, side = chord * by_chord;
+  float end = chord2 * by_chord * reciprocal(2.0f + sum2 * by_sum);
+  float x = dot(mirror, axis), y = dot(mirror, side), radius2 = x * x + y * y;
+  // On the far side of the circle: beyond either end, or, of an arc from whose pole one looks, its middle.
+  float nearest = y * reciprocal(max(x + root(radius2), 1e-3f * abs(y) + 1e-12f));
+  nearest = clamp(nearest, -end, end);
+  vec3 p0 = times(stretch, view + axis), p1 = times(stretch, side * two), p2 = times(stretch, view - axis);
+  vec3 p = p0 + (p1 + p2 * nearest) * nearest, slope = p1 + p2 * (two * nearest);
   float px = slope.x * p.z - p.x * slope.z, py = slope.y * p.z - p.y * slope.z;
-  float step = -(p.x * px + p.y * py) * p.z / max(px * px + py * py, TINY);
-  // Tangents of half the angles to both ends, neither of which is half a turn away, as quotients.
-  float low_y = dot(a, side), low_x = max(1.0f + dot(a, axis), 1e-6f);
-  float high_y = dot(b, side), high_x = max(1.0f + dot(b, axis), 1e-6f);
-  step = clamp(step, min(low_y / low_x, 0.0f), max(high_y / high_x, 0.0f));
-  float k = 1.0f / (1.0f + step * step), c = (1.0f - step * step) * k, s = two * step * k;
+  float step = -(p.x * px + p.y * py) * p.z * reciprocal(max(px * px + py * py, TINY));
+  float at = clamp(nearest + step, -end, end);
+  float k = reciprocal(1.0f + at * at), c = (1.0f - at * at) * k, s = two * at * k;
   vec3 old_axis = axis;
   axis = axis * c + side * s;
   side = side * c - old_axis * s;
@@ -120,9 +121,9 @@ HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
   arc.p0 = times(stretch, view + axis);
   arc.p1 = times(stretch, side * two);
   arc.p2 = times(stretch, view - axis);
-  // The step lies between both ends: neither passes infinity.
-  arc.low = (low_y - step * low_x) / max(low_x + low_y * step, TINY);
-  arc.high = max((high_y - step * high_x) / max(high_x + high_y * step, TINY), arc.low);
+  // At most half a turn: neither end passes infinity.
+  arc.low = -(end + at) * reciprocal(max(1.0f - at * end, 1e-6f));
+  arc.high = (end - at) * reciprocal(max(1.0f + at * end, 1e-6f));
   return arc;
 }
 
@@ -186,7 +187,7 @@ Peaks peaks_of(HalfArc arc)
   Peaks peaks;
   // p2 vanishes where the arc passes through the view itself: one peak goes to infinity. Not further than this.
   float c4 = max(max(dot(arc.p2, arc.p2), 1e-6f * dot(arc.p1, arc.p1)), 1e-12f);
-  float k = 1.0f / c4;
+  float k = reciprocal(c4);
   float a0 = dot(arc.p0, arc.p0) * k, a1 = 2.0f * dot(arc.p0, arc.p1) * k, a3 = 2.0f * dot(arc.p1, arc.p2) * k;
   float a2 = (dot(arc.p1, arc.p1) + 2.0f * dot(arc.p0, arc.p2)) * k;
   float b = a1 * a3 - 4.0f * a0;
@@ -195,30 +196,30 @@ Peaks peaks_of(HalfArc arc)
   float by_root_q = inversesqrt(q), root_q = q * by_root_q;
   float r = (2.0f * a2 * a2 * a2 - 9.0f * a2 * b - 27.0f * c) * 0.0185185185185185185f;
   float cosine = clamp(r * by_root_q * by_root_q * by_root_q, -1.0f, 1.0f);
-  float sum = a2 * 0.333333333333333333f + 2.0f * root_q * third_of_angle(sqrt(0.5f + 0.5f * cosine));
+  float sum = a2 * 0.333333333333333333f + 2.0f * root_q * third_of_angle(root(0.5f + 0.5f * cosine));
   float half3 = 0.5f * a3, gamma = 0.5f * (a2 - half3 * half3), slope = a1 - a3 * gamma;
-  float wide2 = max(4.0f * gamma - half3 * half3, TINY), by_wide2 = 1.0f / wide2;
+  float wide2 = max(4.0f * gamma - half3 * half3, TINY), by_wide2 = reciprocal(wide2);
   float even = (slope * a3 - 4.0f * (a0 - gamma * gamma)) * by_wide2 * by_wide2;
   float part = slope * by_wide2, odd = part * part * by_wide2;
   float x = even + odd;
   x = even + odd + x * (even + 2.0f * odd);
   x = even + odd + x * (even + 2.0f * odd + x * (even + 3.0f * odd));
   float apart2 = x * x + 4.0f * odd * (1.0f + x + x * x);
-  sum = pick(apart2 < ONE_RIDGE * ONE_RIDGE, 0.5f * (half3 * half3 + wide2 * (1.0f - x + sqrt(apart2))), sum);
-  float apart_c = sqrt(max(sum * sum - 4.0f * a0, 0.0f));
-  float apart_b = sqrt(max(a3 * a3 - 4.0f * (a2 - sum), 0.0f));
+  sum = pick(apart2 < ONE_RIDGE * ONE_RIDGE, 0.5f * (half3 * half3 + wide2 * (1.0f - x + root(apart2))), sum);
+  float apart_c = root(max(sum * sum - 4.0f * a0, 0.0f));
+  float apart_b = root(max(a3 * a3 - 4.0f * (a2 - sum), 0.0f));
   float c2 = max(0.5f * (sum + apart_c), TINY);
-  float c1 = a0 / c2;
+  float c1 = a0 * reciprocal(c2);
   // The linear terms by whichever difference is the safer divisor.
-  float by_c = (a1 - a3 * c1) / max(apart_c, TINY);
+  float by_c = (a1 - a3 * c1) * reciprocal(max(apart_c, TINY));
   float by_b = 0.5f * (a3 + pick(a1 < 0.5f * a3 * sum, -apart_b, apart_b));
   float b1 = pick(apart_c * apart_c > apart_b * apart_b * abs(sum), by_c, by_b);
   float b2 = a3 - b1;
   peaks.scale = k;
   peaks.m1 = -0.5f * b1;
   peaks.m2 = -0.5f * b2;
-  peaks.w1 = sqrt(max(c1 - peaks.m1 * peaks.m1, 1e-9f * c1 + 1e-18f));
-  peaks.w2 = sqrt(max(c2 - peaks.m2 * peaks.m2, 1e-9f * c2 + 1e-18f));
+  peaks.w1 = root(max(c1 - peaks.m1 * peaks.m1, 1e-9f * c1 + 1e-18f));
+  peaks.w2 = root(max(c2 - peaks.m2 * peaks.m2, 1e-9f * c2 + 1e-18f));
   peaks.angle1 = turned(peaks.m1, peaks.w1, arc.low, arc.high);
   peaks.angle2 = turned(peaks.m2, peaks.w2, arc.low, arc.high);
   return peaks;
@@ -240,11 +241,11 @@ float rational_integral(HalfArc arc, Peaks peaks, float g0, float g1, float g2)
   float q_re1 = d * d - sums, q_im1 = 2.0f * d * w1, q_re2 = d * d + sums, q_im2 = -2.0f * d * w2;
   float g_re1 = g0 + g1 * m1 + g2 * (m1 * m1 - w1 * w1), g_im1 = w1 * (g1 + 2.0f * g2 * m1);
   float g_re2 = g0 + g1 * m2 + g2 * (m2 * m2 - w2 * w2), g_im2 = w2 * (g1 + 2.0f * g2 * m2);
-  float k = 1.0f / max(w1 * w2 * (q_re1 * q_re1 + q_im1 * q_im1), TINY), k1 = k * w2, k2 = k * w1; // |q1| = |q2|
+  float k = reciprocal(max(w1 * w2 * (q_re1 * q_re1 + q_im1 * q_im1), TINY)), k1 = k * w2, k2 = k * w1; // |q1| = |q2|
   float at_angle1 = (g_re1 * q_re1 + g_im1 * q_im1) * k1, at_angle2 = (g_re2 * q_re2 + g_im2 * q_im2) * k2;
   float at_log = (g_im1 * q_re1 - g_re1 * q_im1) * k1; // its like at z2 is the opposite: the integrand falls as 1/s^2
   float ratio = from_root(arc.high, m1, w1) * from_root(arc.low, m2, w2);
-  ratio = ratio / max(from_root(arc.low, m1, w1) * from_root(arc.high, m2, w2), TINY);
+  ratio = ratio * reciprocal(max(from_root(arc.low, m1, w1) * from_root(arc.high, m2, w2), TINY));
   float logs = 0.5f * log(max(ratio, TINY));
   return (at_angle1 * peaks.angle1 + at_angle2 * peaks.angle2 + at_log * logs) * peaks.scale;
 }
@@ -290,21 +291,21 @@ ArcNode node_after(HalfArc arc, Peaks peaks, float end, float cosine, float sine
   float x = (end - m1) * (end - m2) - w1 * w2, y = -w1 * (end - m2) - w2 * (end - m1);
   float ex = x * cosine - y * sine, ey = y * cosine + x * sine;
   float qb = ey * (m1 + m2) - ex * (w1 + w2), qc = ex * (m1 * w2 + m2 * w1) - ey * (m1 * m2 - w1 * w2);
-  float root = sqrt(max(qb * qb + 4.0f * ey * qc, 0.0f));
-  float half_sum = -0.5f * (qb + pick(qb < 0.0f, -root, root));
+  float discriminant = root(max(qb * qb + 4.0f * ey * qc, 0.0f));
+  float half_sum = -0.5f * (qb + pick(qb < 0.0f, -discriminant, discriminant));
   // Of the roots -half_sum / ey and qc / half_sum the one with this phase, not the opposite one.
   float n = -half_sum, d = ey;
   float re = (n - m1 * d) * (n - m2 * d) - w1 * w2 * d * d, im = -(w1 * (n - m2 * d) + w2 * (n - m1 * d)) * d;
   float same = ex * re + ey * im;
   n = pick(same > 0.0f, n, qc);
   d = pick(same > 0.0f, d, half_sum);
-  float s = clamp(n / pick(abs(d) > TINY, d, TINY), -FAR_END, FAR_END);
+  float s = clamp(n * reciprocal(pick(abs(d) > TINY, d, TINY)), -FAR_END, FAR_END);
   float from1 = from_root(s, m1, w1), from2 = from_root(s, m2, w2);
   vec3 p = arc.p0 + (arc.p1 + arc.p2 * s) * s;
   float s2 = 2.0f * s;
   vec3 slope = arc.p1 + arc.p2 * s2;
   // |p|^2 scale = from1 from2.
-  float amount = weight * peaks.scale / max(w1 * from2 + w2 * from1, TINY);
+  float amount = weight * peaks.scale * reciprocal(max(w1 * from2 + w2 * from1, TINY));
   ArcNode node;
   node.point = unit(p);
   node.turn = cross(p, slope) * amount;

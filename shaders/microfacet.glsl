@@ -45,10 +45,10 @@ float reach(int brdf, vec3 rough, vec3 d)
 {
   vec3 r = times(rough, d);
   if (brdf == BRDF_GGX) {
-    return 0.5f * (d.z + sqrt(dot(r, r)));
+    return 0.5f * (d.z + root(dot(r, r)));
   }
-  float across = sqrt(r.x * r.x + r.y * r.y), a = d.z / max(across, TINY);
-  float masked = across * (1.0f + a * (2.276f + 2.577f * a)) / (3.535f + 2.181f * a);
+  float across = root(r.x * r.x + r.y * r.y), a = d.z * reciprocal(max(across, TINY));
+  float masked = across * (1.0f + a * (2.276f + 2.577f * a)) * reciprocal(3.535f + 2.181f * a);
   return pick(a < 1.6f, masked, d.z);
 }
 
@@ -107,11 +107,11 @@ float normal_density(Microfacets m, vec3 h)
 float fresnel_share(float cosine, float index)
 {
   float c = clamp(cosine, 0.0f, 1.0f), n = max(index, 1.0f), miss = 1.0f - c;
-  float steep = (n - 1.0f) * (n + 1.0f), g = sqrt(steep + c * c), sum = g + c;
+  float steep = (n - 1.0f) * (n + 1.0f), g = root(steep + c * c), sum = g + c;
   float over = sum * (c * sum - 1.0f), under = c * steep + sum, whole = sum * sum * under;
-  float reflectance = 0.5f * steep * steep * (under * under + over * over) / max(whole * whole, TINY);
+  float reflectance = 0.5f * steep * steep * (under * under + over * over) * reciprocal(max(whole * whole, TINY));
   // What depends on the index alone is the same at every node.
-  float straight_on = (n - 1.0f) / (n + 1.0f), rise = (n + 1.0f) * (n + 1.0f) / (4.0f * n);
+  float straight_on = (n - 1.0f) * reciprocal(n + 1.0f), rise = (n + 1.0f) * (n + 1.0f) * 0.25f * reciprocal(n);
   float exact = clamp((reflectance - straight_on * straight_on) * rise, 0.0f, 1.0f);
   return pick(index > 0.5f, exact, miss * miss * miss * miss * miss);
 }
@@ -129,7 +129,7 @@ Reflection masking(Microfacets m, vec3 p)
   float shadowed = reach(m.brdf, m.rough, i);
   float both = m.apart * (m.view_reach - m.view.z) * (shadowed - i.z);
   Reflection g;
-  g.plain = i.z / max(m.view_reach * i.z + m.view.z * (shadowed - i.z) + both, TINY);
+  g.plain = i.z * reciprocal(max(m.view_reach * i.z + m.view.z * (shadowed - i.z) + both, TINY));
   g.fresnel = g.plain * fresnel_share(along, m.index);
   return g;
 }
@@ -347,7 +347,7 @@ Mean with_node(Mean mean, Microfacets m, ArcNode node)
   vec3 p = mean.apex * near_part + node.point * far_part;
   float inverse = inversesqrt(max(near_part * near_part + far_part * (far_part + 2.0f * near_part * cosine), 0.25f));
   Reflection g = masking(m, p);
-  float solid_angle = dot(mean.facing, node.turn) / max(1.0f + cosine, 1e-3f);
+  float solid_angle = dot(mean.facing, node.turn) * reciprocal(max(1.0f + cosine, 1e-3f));
   solid_angle = max(solid_angle, solid_angle * FAN_OUTSIDE);
   float at_apex = solid_angle * mean.apex_weight;
   float at_node = FAN_WEIGHT * inverse * solid_angle * dot(m.weight, p);

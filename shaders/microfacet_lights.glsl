@@ -15,7 +15,7 @@ struct LitEdge {
 LitEdge lit_edge(vec3 a, vec3 b)
 {
   float rise = b.z - a.z, zero = 0.0f;
-  float t = clamp(-a.z / pick(abs(rise) > TINY, rise, TINY), 0.0f, 1.0f);
+  float t = clamp(-a.z * reciprocal(pick(abs(rise) > TINY, rise, TINY)), 0.0f, 1.0f);
   vec3 crossing = unit(vec3(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), zero));
   vec3 none = vec3(zero, zero, zero), zenith = vec3(zero, zero, 1.0f);
   LitEdge edge;
