@@ -31,11 +31,6 @@ vec3 times(vec3 a, vec3 b)
   return vec3(a.x * b.x, a.y * b.y, a.z * b.z);
 }
 
-float root(float x)
-{
-  return x * inversesqrt(max(x, TINY));
-}
-
 // The angle of (x, y), y >= 0, from the x axis: 0 to pi. A polynomial through Chebyshev's points, 1e-8.
 float angle_of(float x, float y)
 {
@@ -79,6 +74,15 @@ struct HalfArc {
 
 #define FAR_END 1e6f
 
+// From s to s - by.
+HalfArc moved(HalfArc arc, float by)
+{
+  vec3 bend = arc.p2 * by;
+  arc.p0 = arc.p0 + (arc.p1 + bend) * by;
+  arc.p1 = arc.p1 + bend + bend;
+  return arc;
+}
+
 // The tangent of half the angle whose cosine and sine are given.
 float half_tangent(float cosine, float sine)
 {
@@ -93,9 +97,9 @@ vec3 mirrored(vec3 view)
 }
 
 // The great arc from direction a to direction b, less than half a turn: s is the tangent of half the angle from its
-// middle, then from where the arc is nearest to the mirrored view or, at grazing angles and on brushed metal, whose lobe
-// is long and lies askew, one step of Newton's further towards the lobe's axis. There all else is small, so that no peak
-// is lost to rounding.
+// middle, less that of where the arc is nearest to the mirrored view or, at grazing angles and on brushed metal, whose
+// lobe is long and lies askew, one step of Newton's further towards the lobe's axis. There all else is small, so that no
+// peak is lost to rounding.
 HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
 {
   float two = 2.0f;
@@ -104,26 +108,21 @@ HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
   float by_sum = inversesqrt(max(sum2, TINY)), by_chord = inversesqrt(max(chord2, TINY));
   vec3 axis = sum * by_sum, side = chord * by_chord;
   float end = chord2 * by_chord * reciprocal(2.0f + sum2 * by_sum);
-  float x = dot(mirror, axis), y = dot(mirror, side), radius2 = x * x + y * y;
+  float x = dot(mirror, axis), y = dot(mirror, side);
   // On the far side of the circle: beyond either end, or, of an arc from whose pole one looks, its middle.
-  float nearest = y * reciprocal(max(x + root(radius2), 1e-3f * abs(y) + 1e-12f));
+  float nearest = y * reciprocal(max(x + sqrt(x * x + y * y), 1e-3f * abs(y) + 1e-12f));
   nearest = clamp(nearest, -end, end);
-  vec3 p0 = times(stretch, view + axis), p1 = times(stretch, side * two), p2 = times(stretch, view - axis);
-  vec3 p = p0 + (p1 + p2 * nearest) * nearest, slope = p1 + p2 * (two * nearest);
-  float px = slope.x * p.z - p.x * slope.z, py = slope.y * p.z - p.y * slope.z;
-  float step = -(p.x * px + p.y * py) * p.z * reciprocal(max(px * px + py * py, TINY));
-  float at = clamp(nearest + step, -end, end);
-  float k = reciprocal(1.0f + at * at), c = (1.0f - at * at) * k, s = two * at * k;
-  vec3 old_axis = axis;
-  axis = axis * c + side * s;
-  side = side * c - old_axis * s;
   HalfArc arc;
   arc.p0 = times(stretch, view + axis);
   arc.p1 = times(stretch, side * two);
   arc.p2 = times(stretch, view - axis);
-  // At most half a turn: neither end passes infinity.
-  arc.low = -(end + at) * reciprocal(max(1.0f - at * end, 1e-6f));
-  arc.high = (end - at) * reciprocal(max(1.0f + at * end, 1e-6f));
+  arc = moved(arc, nearest);
+  float px = arc.p1.x * arc.p0.z - arc.p0.x * arc.p1.z, py = arc.p1.y * arc.p0.z - arc.p0.y * arc.p1.z;
+  float step = -(arc.p0.x * px + arc.p0.y * py) * arc.p0.z * reciprocal(max(px * px + py * py, TINY));
+  float at = clamp(nearest + step, -end, end);
+  arc = moved(arc, at - nearest);
+  arc.low = -end - at;
+  arc.high = end - at;
   return arc;
 }
 
@@ -182,6 +181,22 @@ float from_root(float s, float m, float w)
 // x = ((w1 - w2)^2 - (m1 - m2)^2) / wide2 where x = even / (1 - x) + odd / (1 - x)^2, by its series.
 #define ONE_RIDGE 0.03f
 
+// There the cosine of three times the angle that tells the roots apart is near -1.
+#define RIDGE_COSINE -0.99f
+
+float ridge_sum(float a0, float a1, float a2, float a3, float sum)
+{
+  float half3 = 0.5f * a3, gamma = 0.5f * (a2 - half3 * half3), slope = a1 - a3 * gamma;
+  float wide2 = max(4.0f * gamma - half3 * half3, TINY), by_wide2 = reciprocal(wide2);
+  float even = (slope * a3 - 4.0f * (a0 - gamma * gamma)) * by_wide2 * by_wide2;
+  float part = slope * by_wide2, odd = part * part * by_wide2;
+  float x = even + odd;
+  x = even + odd + x * (even + 2.0f * odd);
+  x = even + odd + x * (even + 2.0f * odd + x * (even + 3.0f * odd));
+  float apart2 = x * x + 4.0f * odd * (1.0f + x + x * x);
+  return pick(apart2 < ONE_RIDGE * ONE_RIDGE, 0.5f * (half3 * half3 + wide2 * (1.0f - x + sqrt(apart2))), sum);
+}
+
 Peaks peaks_of(HalfArc arc)
 {
   Peaks peaks;
@@ -196,18 +211,12 @@ Peaks peaks_of(HalfArc arc)
   float by_root_q = inversesqrt(q), root_q = q * by_root_q;
   float r = (2.0f * a2 * a2 * a2 - 9.0f * a2 * b - 27.0f * c) * 0.0185185185185185185f;
   float cosine = clamp(r * by_root_q * by_root_q * by_root_q, -1.0f, 1.0f);
-  float sum = a2 * 0.333333333333333333f + 2.0f * root_q * third_of_angle(root(0.5f + 0.5f * cosine));
-  float half3 = 0.5f * a3, gamma = 0.5f * (a2 - half3 * half3), slope = a1 - a3 * gamma;
-  float wide2 = max(4.0f * gamma - half3 * half3, TINY), by_wide2 = reciprocal(wide2);
-  float even = (slope * a3 - 4.0f * (a0 - gamma * gamma)) * by_wide2 * by_wide2;
-  float part = slope * by_wide2, odd = part * part * by_wide2;
-  float x = even + odd;
-  x = even + odd + x * (even + 2.0f * odd);
-  x = even + odd + x * (even + 2.0f * odd + x * (even + 3.0f * odd));
-  float apart2 = x * x + 4.0f * odd * (1.0f + x + x * x);
-  sum = pick(apart2 < ONE_RIDGE * ONE_RIDGE, 0.5f * (half3 * half3 + wide2 * (1.0f - x + root(apart2))), sum);
-  float apart_c = root(max(sum * sum - 4.0f * a0, 0.0f));
-  float apart_b = root(max(a3 * a3 - 4.0f * (a2 - sum), 0.0f));
+  float sum = a2 * 0.333333333333333333f + 2.0f * root_q * third_of_angle(sqrt(0.5f + 0.5f * cosine));
+  if (any_lane(cosine < RIDGE_COSINE)) {
+    sum = ridge_sum(a0, a1, a2, a3, sum);
+  }
+  float apart_c = sqrt(max(sum * sum - 4.0f * a0, 0.0f));
+  float apart_b = sqrt(max(a3 * a3 - 4.0f * (a2 - sum), 0.0f));
   float c2 = max(0.5f * (sum + apart_c), TINY);
   float c1 = a0 * reciprocal(c2);
   // The linear terms by whichever difference is the safer divisor.
@@ -218,18 +227,24 @@ Peaks peaks_of(HalfArc arc)
   peaks.scale = k;
   peaks.m1 = -0.5f * b1;
   peaks.m2 = -0.5f * b2;
-  peaks.w1 = root(max(c1 - peaks.m1 * peaks.m1, 1e-9f * c1 + 1e-18f));
-  peaks.w2 = root(max(c2 - peaks.m2 * peaks.m2, 1e-9f * c2 + 1e-18f));
+  peaks.w1 = sqrt(max(c1 - peaks.m1 * peaks.m1, 1e-9f * c1 + 1e-18f));
+  peaks.w2 = sqrt(max(c2 - peaks.m2 * peaks.m2, 1e-9f * c2 + 1e-18f));
   peaks.angle1 = turned(peaks.m1, peaks.w1, arc.low, arc.high);
   peaks.angle2 = turned(peaks.m2, peaks.w2, arc.low, arc.high);
   return peaks;
 }
 
-// The integral along the arc of (g0 + g1 s + g2 s^2) / |p|^2, by partial fractions. The residues at two peaks that
-// coincide would be infinite and opposite; a relative distance of SEPARATION costs its square, and saves the rounding.
+// The integrals along the arc of 1, s and s^2 over |p|^2, by partial fractions. The residues at two peaks that coincide
+// would be infinite and opposite; a relative distance of SEPARATION costs its square, and saves the rounding.
+struct Powers {
+  float zero;
+  float one;
+  float two;
+};
+
 #define SEPARATION 0.002f
 
-float rational_integral(HalfArc arc, Peaks peaks, float g0, float g1, float g2)
+Powers powers_of(HalfArc arc, Peaks peaks)
 {
   float m1 = peaks.m1, m2 = peaks.m2;
   float gap = (m1 - m2) * (m1 - m2) + (peaks.w1 - peaks.w2) * (peaks.w1 - peaks.w2);
@@ -237,17 +252,37 @@ float rational_integral(HalfArc arc, Peaks peaks, float g0, float g1, float g2)
   float shift = pick(gap < SEPARATION * SEPARATION * wide * wide, 0.5f * SEPARATION * wide, 0.0f);
   float w1 = peaks.w1 + shift, w2 = max(peaks.w2 - shift, TINY);
   float d = m1 - m2, sums = (w1 - w2) * (w1 + w2);
-  // (z1 - z2) (z1 - conj z2), and its like at z2; g at both.
+  // (z1 - z2) (z1 - conj z2), and its like at z2.
   float q_re1 = d * d - sums, q_im1 = 2.0f * d * w1, q_re2 = d * d + sums, q_im2 = -2.0f * d * w2;
-  float g_re1 = g0 + g1 * m1 + g2 * (m1 * m1 - w1 * w1), g_im1 = w1 * (g1 + 2.0f * g2 * m1);
-  float g_re2 = g0 + g1 * m2 + g2 * (m2 * m2 - w2 * w2), g_im2 = w2 * (g1 + 2.0f * g2 * m2);
-  float k = reciprocal(max(w1 * w2 * (q_re1 * q_re1 + q_im1 * q_im1), TINY)), k1 = k * w2, k2 = k * w1; // |q1| = |q2|
-  float at_angle1 = (g_re1 * q_re1 + g_im1 * q_im1) * k1, at_angle2 = (g_re2 * q_re2 + g_im2 * q_im2) * k2;
-  float at_log = (g_im1 * q_re1 - g_re1 * q_im1) * k1; // its like at z2 is the opposite: the integrand falls as 1/s^2
+  float k = peaks.scale * reciprocal(max(w1 * w2 * (q_re1 * q_re1 + q_im1 * q_im1), TINY)); // |q1| = |q2|
   float ratio = from_root(arc.high, m1, w1) * from_root(arc.low, m2, w2);
   ratio = ratio * reciprocal(max(from_root(arc.low, m1, w1) * from_root(arc.high, m2, w2), TINY));
-  float logs = 0.5f * log(max(ratio, TINY));
-  return (at_angle1 * peaks.angle1 + at_angle2 * peaks.angle2 + at_log * logs) * peaks.scale;
+  // The logarithm of both peaks has opposite factors: the integrand falls as 1/s^2.
+  float by_log = 0.5f * log(max(ratio, TINY)) * k * w2, angle1 = peaks.angle1 * k * w2, angle2 = peaks.angle2 * k * w1;
+  // What the real part of a numerator at each peak is to be taken by, and the imaginary one.
+  float re1 = q_re1 * angle1 - q_im1 * by_log, im1 = (q_im1 * angle1 + q_re1 * by_log) * w1;
+  float re2 = q_re2 * angle2, im2 = q_im2 * angle2 * w2;
+  Powers powers;
+  powers.zero = re1 + re2;
+  powers.one = re1 * m1 + im1 + (re2 * m2 + im2);
+  powers.two = re1 * (m1 * m1 - w1 * w1) + re2 * (m2 * m2 - w2 * w2) + 2.0f * (im1 * m1 + im2 * m2);
+  return powers;
+}
+
+// p x p' = c0 + c1 s + c2 s^2.
+struct Turning {
+  vec3 c0;
+  vec3 c1;
+  vec3 c2;
+};
+
+Turning turning_of(HalfArc arc)
+{
+  Turning turning;
+  turning.c0 = cross(arc.p0, arc.p1);
+  turning.c1 = cross(arc.p0, arc.p2 + arc.p2);
+  turning.c2 = cross(arc.p1, arc.p2);
+  return turning;
 }
 
 // A point of the outline, p normalised, and its share of the integral of p x p' / |p|^2.
@@ -255,27 +290,6 @@ struct ArcNode {
   vec3 point;
   vec3 turn;
 };
-
-// Taylor's series, for angles up to a quarter of a turn: 4e-6.
-float sine_of(float angle)
-{
-  float x = angle * angle;
-  float s = 1.0f - x * 0.0138888888888888889f;
-  s = 1.0f - x * 0.0238095238095238095f * s;
-  s = 1.0f - x * 0.05f * s;
-  s = 1.0f - x * 0.166666666666666667f * s;
-  return angle * s;
-}
-
-float cosine_of(float angle)
-{
-  float x = angle * angle;
-  float c = 1.0f - x * 0.0111111111111111111f;
-  c = 1.0f - x * 0.0178571428571428571f * c;
-  c = 1.0f - x * 0.0333333333333333333f * c;
-  c = 1.0f - x * 0.0833333333333333333f * c;
-  return 1.0f - x * 0.5f * c;
-}
 
 // The nodes at a given share of both peaks' angles, at most a half, from either end. There the two integrands 1/|s - z|^2
 // are flat, and (s - z1)(s - z2) has a known phase: s is the root of a quadratic.
@@ -285,40 +299,36 @@ struct ArcNodes {
 };
 
 // The node whose phase is that of the arc's end s, turned.
-ArcNode node_after(HalfArc arc, Peaks peaks, float end, float cosine, float sine, float weight)
+ArcNode node_after(HalfArc arc, Turning turning, Peaks peaks, float end, float cosine, float sine, float weight)
 {
   float m1 = peaks.m1, m2 = peaks.m2, w1 = peaks.w1, w2 = peaks.w2;
   float x = (end - m1) * (end - m2) - w1 * w2, y = -w1 * (end - m2) - w2 * (end - m1);
   float ex = x * cosine - y * sine, ey = y * cosine + x * sine;
+  // Of both roots s the one where the phase is this rather than the opposite one, by the divisor that does not cancel. The
+  // phase falls from a turn to none as s grows: up to half a turn it is the greater root.
   float qb = ey * (m1 + m2) - ex * (w1 + w2), qc = ex * (m1 * w2 + m2 * w1) - ey * (m1 * m2 - w1 * w2);
-  float discriminant = root(max(qb * qb + 4.0f * ey * qc, 0.0f));
-  float half_sum = -0.5f * (qb + pick(qb < 0.0f, -discriminant, discriminant));
-  // Of the roots -half_sum / ey and qc / half_sum the one with this phase, not the opposite one.
-  float n = -half_sum, d = ey;
-  float re = (n - m1 * d) * (n - m2 * d) - w1 * w2 * d * d, im = -(w1 * (n - m2 * d) + w2 * (n - m1 * d)) * d;
-  float same = ex * re + ey * im;
-  n = pick(same > 0.0f, n, qc);
-  d = pick(same > 0.0f, d, half_sum);
+  float discriminant = sqrt(max(qb * qb + 4.0f * ey * qc, 0.0f)), size = abs(qb) + discriminant;
+  float n = pick(qb < 0.0f, -size, -2.0f * qc), d = pick(qb < 0.0f, 2.0f * ey, size);
   float s = clamp(n * reciprocal(pick(abs(d) > TINY, d, TINY)), -FAR_END, FAR_END);
   float from1 = from_root(s, m1, w1), from2 = from_root(s, m2, w2);
   vec3 p = arc.p0 + (arc.p1 + arc.p2 * s) * s;
-  float s2 = 2.0f * s;
-  vec3 slope = arc.p1 + arc.p2 * s2;
   // |p|^2 scale = from1 from2.
   float amount = weight * peaks.scale * reciprocal(max(w1 * from2 + w2 * from1, TINY));
   ArcNode node;
   node.point = unit(p);
-  node.turn = cross(p, slope) * amount;
+  node.turn = (turning.c0 + (turning.c1 + turning.c2 * s) * s) * amount;
   return node;
 }
 
-ArcNodes nodes_at(HalfArc arc, Peaks peaks, float share, float weight)
+ArcNodes nodes_at(HalfArc arc, Turning turning, Peaks peaks, float share, float weight)
 {
-  float total = peaks.angle1 + peaks.angle2, turn = total * share;
-  float half_sine = sine_of(0.5f * turn);
-  float cosine = 1.0f - 2.0f * half_sine * half_sine, sine = 2.0f * half_sine * cosine_of(0.5f * turn);
+  float total = peaks.angle1 + peaks.angle2, turn = 0.5f * total * share, x = turn * turn;
+  // Taylor's series, for angles up to a quarter of a turn: 4e-6.
+  float half_sine = turn * (1.0f + x * (-0.166666666666666667f + x * (0.00833333333333333333f + x * (-0.000198412698412698413f + x * 2.75573192239858907e-6f))));
+  float half_cosine = 1.0f + x * (-0.5f + x * (0.0416666666666666667f + x * (-0.00138888888888888889f + x * 2.48015873015873016e-5f)));
+  float cosine = 1.0f - 2.0f * half_sine * half_sine, sine = 2.0f * half_sine * half_cosine;
   ArcNodes nodes;
-  nodes.a = node_after(arc, peaks, arc.low, cosine, sine, total * weight);
-  nodes.b = node_after(arc, peaks, arc.high, cosine, -sine, total * weight);
+  nodes.a = node_after(arc, turning, peaks, arc.low, cosine, sine, total * weight);
+  nodes.b = node_after(arc, turning, peaks, arc.high, cosine, -sine, total * weight);
   return nodes;
 }

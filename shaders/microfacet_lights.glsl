@@ -26,6 +26,17 @@ LitEdge lit_edge(vec3 a, vec3 b)
   return edge;
 }
 
+LitEdge whole_edge(vec3 a, vec3 b)
+{
+  float zero = 0.0f;
+  LitEdge edge;
+  edge.a = a;
+  edge.b = b;
+  edge.leave = vec3(zero, zero, zero);
+  edge.enter = edge.leave;
+  return edge;
+}
+
 RimArc lit_arc(Microfacets m, LitEdge edge)
 {
   return great_circle_arc(m, edge.a, edge.b);
@@ -44,21 +55,33 @@ RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
 Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
 {
   vec3 ua = unit(a), ub = unit(b), uc = unit(c), ud = unit(d);
-  LitEdge ab = lit_edge(ua, ub), bc = lit_edge(ub, uc), cd = lit_edge(uc, ud), da = lit_edge(ud, ua);
+  LitEdge ab = whole_edge(ua, ub), bc = whole_edge(ub, uc), cd = whole_edge(uc, ud), da = whole_edge(ud, ua);
+  // Most lights are above every horizon in sight.
+  bool cut = any_lane(min(min(ua.z, ub.z), min(uc.z, ud.z)) < 0.0f);
+  if (cut) {
+    ab = lit_edge(ua, ub);
+    bc = lit_edge(ub, uc);
+    cd = lit_edge(uc, ud);
+    da = lit_edge(ud, ua);
+  }
   RimArc arcs[5];
+  int count = 4;
   arcs[0] = lit_arc(m, ab);
   arcs[1] = lit_arc(m, bc);
   arcs[2] = lit_arc(m, cd);
   arcs[3] = lit_arc(m, da);
-  arcs[4] = horizon_arc(m, ab.leave + bc.leave + cd.leave + da.leave, ab.enter + bc.enter + cd.enter + da.enter);
+  if (cut) {
+    arcs[4] = horizon_arc(m, ab.leave + bc.leave + cd.leave + da.leave, ab.enter + bc.enter + cd.enter + da.enter);
+    count = 5;
+  }
   float flux = arcs[0].flux;
   vec3 middle = lobe_turns(m, arcs[0]);
-  for (int k = 1; k < 5; ++k) {
+  for (int k = 1; k < count; ++k) {
     flux = flux + arcs[k].flux;
     middle = middle + lobe_turns(m, arcs[k]);
   }
   Mean mean = mean_about(m, middle, flux);
-  for (int k = 0; k < 5; ++k) {
+  for (int k = 0; k < count; ++k) {
     mean = with_arc(mean, m, arcs[k]);
   }
   return reflected(m, dot(a, a) + dot(b, b) + dot(c, c) + dot(d, d), mean, flux);
