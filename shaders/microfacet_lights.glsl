@@ -42,12 +42,17 @@ RimArc lit_arc(Microfacets m, LitEdge edge)
   return great_circle_arc(m, edge.a, edge.b);
 }
 
-// The arc along the horizon that closes a clipped outline; no length where nothing was clipped.
-RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
+// Along the horizon, closing a clipped outline; no length where nothing was clipped.
+LitEdge horizon_edge(vec3 leave, vec3 enter)
 {
   float both = dot(leave, leave) * dot(enter, enter), zero = 0.0f;
   vec3 zenith = vec3(zero, zero, 1.0f);
-  return great_circle_arc(m, pick(both > 0.25f, leave, zenith), pick(both > 0.25f, enter, zenith));
+  return whole_edge(pick(both > 0.25f, leave, zenith), pick(both > 0.25f, enter, zenith));
+}
+
+RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
+{
+  return lit_arc(m, horizon_edge(leave, enter));
 }
 
 // ---- Lights ----
@@ -55,24 +60,35 @@ RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
 Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
 {
   vec3 ua = unit(a), ub = unit(b), uc = unit(c), ud = unit(d);
-  LitEdge ab = whole_edge(ua, ub), bc = whole_edge(ub, uc), cd = whole_edge(uc, ud), da = whole_edge(ud, ua);
-  // Most lights are above every horizon in sight.
-  bool cut = any_lane(min(min(ua.z, ub.z), min(uc.z, ud.z)) < 0.0f);
-  if (cut) {
-    ab = lit_edge(ua, ub);
-    bc = lit_edge(ub, uc);
-    cd = lit_edge(uc, ud);
-    da = lit_edge(ud, ua);
-  }
-  RimArc arcs[5];
+  LitEdge edges[5];
+  edges[0] = whole_edge(ua, ub);
+  edges[1] = whole_edge(ub, uc);
+  edges[2] = whole_edge(uc, ud);
+  edges[3] = whole_edge(ud, ua);
   int count = 4;
-  arcs[0] = lit_arc(m, ab);
-  arcs[1] = lit_arc(m, bc);
-  arcs[2] = lit_arc(m, cd);
-  arcs[3] = lit_arc(m, da);
-  if (cut) {
-    arcs[4] = horizon_arc(m, ab.leave + bc.leave + cd.leave + da.leave, ab.enter + bc.enter + cd.enter + da.enter);
+  // Most lights are above every horizon in sight.
+  if (any_lane(min(min(ua.z, ub.z), min(uc.z, ud.z)) < 0.0f)) {
+    vec3 leave = edges[0].leave, enter = leave;
+    for (int k = 0; k < 4; ++k) {
+      edges[k] = lit_edge(edges[k].a, edges[k].b);
+      leave = leave + edges[k].leave;
+      enter = enter + edges[k].enter;
+    }
+    edges[4] = horizon_edge(leave, enter);
     count = 5;
+  }
+  // Step by step rather than edge by edge: each step waits for the one before, but not for the other edges'.
+  HalfArc halves[5];
+  Peaks peaks[5];
+  RimArc arcs[5];
+  for (int k = 0; k < count; ++k) {
+    halves[k] = great_arc(m.view, m.stretch, edges[k].a, edges[k].b);
+  }
+  for (int k = 0; k < count; ++k) {
+    peaks[k] = peaks_of(halves[k]);
+  }
+  for (int k = 0; k < count; ++k) {
+    arcs[k] = rim_arc(m, halves[k], peaks[k], OPEN_NODE, no_level());
   }
   float flux = arcs[0].flux;
   vec3 middle = lobe_turns(m, arcs[0]);
