@@ -229,6 +229,11 @@ Peaks peaks_of(HalfArc arc)
   peaks.m2 = -0.5f * b2;
   peaks.w1 = sqrt(max(c1 - peaks.m1 * peaks.m1, 1e-9f * c1 + 1e-18f));
   peaks.w2 = sqrt(max(c2 - peaks.m2 * peaks.m2, 1e-9f * c2 + 1e-18f));
+  return peaks;
+}
+
+Peaks with_angles(HalfArc arc, Peaks peaks)
+{
   peaks.angle1 = turned(peaks.m1, peaks.w1, arc.low, arc.high);
   peaks.angle2 = turned(peaks.m2, peaks.w2, arc.low, arc.high);
   return peaks;

@@ -241,6 +241,16 @@ float lobe_flux(Microfacets m, HalfArc half_arc, Turning turning, Peaks peaks, L
   return flux;
 }
 
+float arc_flux(Microfacets m, HalfArc half_arc, Turning turning, Peaks peaks, Level level)
+{
+  if (m.brdf != BRDF_GGX) {
+    return lobe_flux(m, half_arc, turning, peaks, level);
+  }
+  Powers powers = powers_of(half_arc, peaks);
+  float g0 = dot(m.weight, turning.c0), g1 = dot(m.weight, turning.c1), g2 = dot(m.weight, turning.c2);
+  return 0.5f * (g0 * powers.zero + g1 * powers.one + g2 * powers.two);
+}
+
 RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node, Level level)
 {
   RimArc arc;
@@ -248,14 +258,7 @@ RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node, L
   ArcNodes nodes = nodes_at(half_arc, turning, peaks, first_node, 0.5f);
   arc.a = nodes.a;
   arc.b = nodes.b;
-  if (m.brdf == BRDF_GGX) {
-    Powers powers = powers_of(half_arc, peaks);
-    float g0 = dot(m.weight, turning.c0), g1 = dot(m.weight, turning.c1), g2 = dot(m.weight, turning.c2);
-    arc.flux = 0.5f * (g0 * powers.zero + g1 * powers.one + g2 * powers.two);
-  }
-  if (m.brdf != BRDF_GGX) {
-    arc.flux = lobe_flux(m, half_arc, turning, peaks, level);
-  }
+  arc.flux = arc_flux(m, half_arc, turning, peaks, level);
   return arc;
 }
 
@@ -288,7 +291,7 @@ float log_lobe(Microfacets m, vec3 p)
 RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
 {
   HalfArc half_arc = great_arc(m.view, m.stretch, a, b);
-  return rim_arc(m, half_arc, peaks_of(half_arc), OPEN_NODE, no_level());
+  return rim_arc(m, half_arc, with_angles(half_arc, peaks_of(half_arc)), OPEN_NODE, no_level());
 }
 
 // A small circle that is small beside the lobe has its peaks at +-i, both: there the nodes' own sum is the better one.
@@ -296,7 +299,7 @@ RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
 
 RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
 {
-  Peaks peaks = peaks_of(half_arc);
+  Peaks peaks = with_angles(half_arc, peaks_of(half_arc));
   Level level = level_of(m, half_arc);
   RimArc arc = rim_arc(m, half_arc, peaks, first_node, level);
   if (m.brdf == BRDF_GGX) {

@@ -80,6 +80,7 @@ Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
   // Step by step rather than edge by edge: each step waits for the one before, but not for the other edges'.
   HalfArc halves[5];
   Peaks peaks[5];
+  Turning turnings[5];
   RimArc arcs[5];
   for (int k = 0; k < count; ++k) {
     halves[k] = great_arc(m.view, m.stretch, edges[k].a, edges[k].b);
@@ -88,7 +89,16 @@ Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
     peaks[k] = peaks_of(halves[k]);
   }
   for (int k = 0; k < count; ++k) {
-    arcs[k] = rim_arc(m, halves[k], peaks[k], OPEN_NODE, no_level());
+    peaks[k] = with_angles(halves[k], peaks[k]);
+  }
+  for (int k = 0; k < count; ++k) {
+    turnings[k] = turning_of(halves[k]);
+    arcs[k].flux = arc_flux(m, halves[k], turnings[k], peaks[k], no_level());
+  }
+  for (int k = 0; k < count; ++k) {
+    ArcNodes nodes = nodes_at(halves[k], turnings[k], peaks[k], OPEN_NODE, 0.5f);
+    arcs[k].a = nodes.a;
+    arcs[k].b = nodes.b;
   }
   float flux = arcs[0].flux;
   vec3 middle = lobe_turns(m, arcs[0]);
