@@ -74,15 +74,6 @@ struct HalfArc {
 
 #define FAR_END 1e6f
 
-// From s to s - by.
-HalfArc moved(HalfArc arc, float by)
-{
-  vec3 bend = arc.p2 * by;
-  arc.p0 = arc.p0 + (arc.p1 + bend) * by;
-  arc.p1 = arc.p1 + bend + bend;
-  return arc;
-}
-
 // The tangent of half the angle whose cosine and sine are given.
 float half_tangent(float cosine, float sine)
 {
@@ -112,17 +103,19 @@ HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
   // On the far side of the circle: beyond either end, or, of an arc from whose pole one looks, its middle.
   float nearest = y * reciprocal(max(x + sqrt(x * x + y * y), 1e-3f * abs(y) + 1e-12f));
   nearest = clamp(nearest, -end, end);
+  vec3 p0 = times(stretch, view + axis), p1 = times(stretch, side * two), p2 = times(stretch, view - axis);
+  vec3 bend = p2 * nearest, p = p0 + (p1 + bend) * nearest, slope = p1 + bend + bend;
+  float px = slope.x * p.z - p.x * slope.z, py = slope.y * p.z - p.y * slope.z;
+  float step = -(p.x * px + p.y * py) * p.z * reciprocal(max(px * px + py * py, TINY));
+  float at = clamp(nearest + step, -end, end), twice = 2.0f * at, rest = 1.0f - at * at;
+  // Turned about the circle's axis; a common factor of p, 1 + at^2, means nothing.
   HalfArc arc;
-  arc.p0 = times(stretch, view + axis);
-  arc.p1 = times(stretch, side * two);
-  arc.p2 = times(stretch, view - axis);
-  arc = moved(arc, nearest);
-  float px = arc.p1.x * arc.p0.z - arc.p0.x * arc.p1.z, py = arc.p1.y * arc.p0.z - arc.p0.y * arc.p1.z;
-  float step = -(arc.p0.x * px + arc.p0.y * py) * arc.p0.z * reciprocal(max(px * px + py * py, TINY));
-  float at = clamp(nearest + step, -end, end);
-  arc = moved(arc, at - nearest);
-  arc.low = -end - at;
-  arc.high = end - at;
+  arc.p0 = p0 + (p1 + p2 * at) * at;
+  arc.p1 = p1 * rest + (p2 - p0) * twice;
+  arc.p2 = p2 - (p1 - p0 * at) * at;
+  // At most half a turn: neither end passes infinity.
+  arc.low = -(end + at) * reciprocal(max(1.0f - at * end, 1e-6f));
+  arc.high = (end - at) * reciprocal(max(1.0f + at * end, 1e-6f));
   return arc;
 }
 
