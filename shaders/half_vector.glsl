@@ -87,10 +87,9 @@ vec3 mirrored(vec3 view)
   return vec3(-view.x, -view.y, view.z);
 }
 
-// The great arc from direction a to direction b, less than half a turn: s is the tangent of half the angle from its
-// middle, less that of where the arc is nearest to the mirrored view or, at grazing angles and on brushed metal, whose
-// lobe is long and lies askew, one step of Newton's further towards the lobe's axis. There all else is small, so that no
-// peak is lost to rounding.
+// The great arc from direction a to direction b, less than half a turn, first about its middle, then about where it is
+// nearest to the mirrored view or, at grazing angles and on brushed metal, whose lobe is long and lies askew, one step of
+// Newton's further towards the lobe's axis. There all else is small, so that no peak is lost to rounding.
 HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
 {
   float two = 2.0f;
@@ -302,8 +301,8 @@ ArcNode node_after(HalfArc arc, Turning turning, Peaks peaks, float end, float c
   float m1 = peaks.m1, m2 = peaks.m2, w1 = peaks.w1, w2 = peaks.w2;
   float x = (end - m1) * (end - m2) - w1 * w2, y = -w1 * (end - m2) - w2 * (end - m1);
   float ex = x * cosine - y * sine, ey = y * cosine + x * sine;
-  // Of both roots s the one where the phase is this rather than the opposite one, by the divisor that does not cancel. The
-  // phase falls from a turn to none as s grows: up to half a turn it is the greater root.
+  // Of both roots s the one where the phase is this rather than the opposite one: it grows with s from none to a turn, so
+  // up to half a turn, where ey > 0, the lesser root, and beyond the greater. By the divisor that does not cancel.
   float qb = ey * (m1 + m2) - ex * (w1 + w2), qc = ex * (m1 * w2 + m2 * w1) - ey * (m1 * m2 - w1 * w2);
   float discriminant = sqrt(max(qb * qb + 4.0f * ey * qc, 0.0f)), size = abs(qb) + discriminant;
   float n = pick(qb < 0.0f, -size, -2.0f * qc), d = pick(qb < 0.0f, 2.0f * ey, size);

@@ -147,12 +147,22 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
   RimArc arcs[3];
   arcs[0] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, one, zero, cos_end, sin_end), CLOSED_NODE);
   arcs[1] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, cos_end, -sin_end, one, zero), CLOSED_NODE);
-  arcs[2] = horizon_arc(m, leave * cut, enter * cut);
-  float flux = (arcs[0].flux + arcs[1].flux + arcs[2].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
-  flux = flux * pick(radius > 0.0f, 1.0f, 0.0f);
-  vec3 turned = lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]) + lobe_turns(m, arcs[2]);
+  int count = 2;
+  if (any_lane(cut > 0.5f)) {
+    arcs[2] = horizon_arc(m, leave * cut, enter * cut);
+    count = 3;
+  }
+  float flux = 0.0f;
+  vec3 turned = axis * flux;
+  for (int k = 0; k < count; ++k) {
+    flux = flux + arcs[k].flux;
+    turned = turned + lobe_turns(m, arcs[k]);
+  }
+  flux = flux * pick(cos_end < 0.9999995f, 1.0f, 0.0f) * pick(radius > 0.0f, 1.0f, 0.0f);
   Mean mean = mean_about(m, round_middle(m, axis, sine * sine, turned, flux), flux);
-  mean = with_arc(with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]), m, arcs[2]);
+  for (int k = 0; k < count; ++k) {
+    mean = with_arc(mean, m, arcs[k]);
+  }
   return reflected(m, dot(centre, centre) + radius * radius, mean, flux);
 }
 
@@ -285,12 +295,17 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   }
   vec3 leave = unit(here.to);
   float cut = pick(abs(cos_end) < 0.9999999f, 1.0f, 0.0f);
-  arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
-  flux = (flux + arcs[ELLIPSE_ARCS].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
+  int count = ELLIPSE_ARCS;
+  if (any_lane(cut > 0.5f)) {
+    arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
+    flux = flux + arcs[ELLIPSE_ARCS].flux;
+    middle = middle + lobe_turns(m, arcs[ELLIPSE_ARCS]);
+    count = ELLIPSE_ARCS + 1;
+  }
+  flux = flux * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
   float u2 = dot(u, u), v2 = dot(v, v), c2 = dot(centre, centre);
-  middle = middle + lobe_turns(m, arcs[ELLIPSE_ARCS]);
   Mean mean = mean_about(m, round_middle(m, unit(cone.centre), (u2 + v2) / max(c2, TINY), middle, flux), flux);
-  for (int n = 0; n <= ELLIPSE_ARCS; ++n) {
+  for (int n = 0; n < count; ++n) {
     mean = with_arc(mean, m, arcs[n]);
   }
   flux = flux * pick(min(u2, v2) > 0.0f, 1.0f, 0.0f);
