@@ -65,9 +65,10 @@ Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
   edges[1] = whole_edge(ub, uc);
   edges[2] = whole_edge(uc, ud);
   edges[3] = whole_edge(ud, ua);
-  int count = 4;
+  edges[4] = edges[0];
   // Most lights are above every horizon in sight.
-  if (any_lane(min(min(ua.z, ub.z), min(uc.z, ud.z)) < 0.0f)) {
+  bool cut = any_lane(min(min(ua.z, ub.z), min(uc.z, ud.z)) < 0.0f);
+  if (cut) {
     vec3 leave = edges[0].leave, enter = leave;
     for (int k = 0; k < 4; ++k) {
       edges[k] = lit_edge(edges[k].a, edges[k].b);
@@ -75,40 +76,50 @@ Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
       enter = enter + edges[k].enter;
     }
     edges[4] = horizon_edge(leave, enter);
-    count = 5;
   }
-  // Step by step rather than edge by edge: each step waits for the one before, but not for the other edges'.
+  // Step by step rather than edge by edge: each step waits for the one before, but not for the other edges'. Bounds that
+  // vary would keep GPUs from unrolling, and arrays from registers.
   HalfArc halves[5];
   Peaks peaks[5];
   Turning turnings[5];
   RimArc arcs[5];
-  for (int k = 0; k < count; ++k) {
-    halves[k] = great_arc(m.view, m.stretch, edges[k].a, edges[k].b);
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      halves[k] = great_arc(m.view, m.stretch, edges[k].a, edges[k].b);
+    }
   }
-  for (int k = 0; k < count; ++k) {
-    peaks[k] = peaks_of(halves[k]);
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      peaks[k] = peaks_of(halves[k]);
+    }
   }
-  for (int k = 0; k < count; ++k) {
-    peaks[k] = with_angles(halves[k], peaks[k]);
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      peaks[k] = with_angles(halves[k], peaks[k]);
+    }
   }
-  for (int k = 0; k < count; ++k) {
-    turnings[k] = turning_of(halves[k]);
-    arcs[k].flux = arc_flux(m, halves[k], turnings[k], peaks[k], no_level());
+  float flux = 0.0f, zero = 0.0f;
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      turnings[k] = turning_of(halves[k]);
+      arcs[k].flux = arc_flux(m, halves[k], turnings[k], peaks[k], no_level());
+      flux = flux + arcs[k].flux;
+    }
   }
-  for (int k = 0; k < count; ++k) {
-    ArcNodes nodes = nodes_at(halves[k], turnings[k], peaks[k], OPEN_NODE, 0.5f);
-    arcs[k].a = nodes.a;
-    arcs[k].b = nodes.b;
-  }
-  float flux = arcs[0].flux;
-  vec3 middle = lobe_turns(m, arcs[0]);
-  for (int k = 1; k < count; ++k) {
-    flux = flux + arcs[k].flux;
-    middle = middle + lobe_turns(m, arcs[k]);
+  vec3 middle = vec3(zero, zero, zero);
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      ArcNodes nodes = nodes_at(halves[k], turnings[k], peaks[k], OPEN_NODE, 0.5f);
+      arcs[k].a = nodes.a;
+      arcs[k].b = nodes.b;
+      middle = middle + lobe_turns(m, arcs[k]);
+    }
   }
   Mean mean = mean_about(m, middle, flux);
-  for (int k = 0; k < count; ++k) {
-    mean = with_arc(mean, m, arcs[k]);
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      mean = with_arc(mean, m, arcs[k]);
+    }
   }
   return reflected(m, dot(a, a) + dot(b, b) + dot(c, c) + dot(d, d), mean, flux);
 }
@@ -147,21 +158,19 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
   RimArc arcs[3];
   arcs[0] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, one, zero, cos_end, sin_end), CLOSED_NODE);
   arcs[1] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, cos_end, -sin_end, one, zero), CLOSED_NODE);
-  int count = 2;
-  if (any_lane(cut > 0.5f)) {
+  float flux = arcs[0].flux + arcs[1].flux;
+  vec3 turned = lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]);
+  bool is_cut = any_lane(cut > 0.5f);
+  if (is_cut) {
     arcs[2] = horizon_arc(m, leave * cut, enter * cut);
-    count = 3;
-  }
-  float flux = 0.0f;
-  vec3 turned = axis * flux;
-  for (int k = 0; k < count; ++k) {
-    flux = flux + arcs[k].flux;
-    turned = turned + lobe_turns(m, arcs[k]);
+    flux = flux + arcs[2].flux;
+    turned = turned + lobe_turns(m, arcs[2]);
   }
   flux = flux * pick(cos_end < 0.9999995f, 1.0f, 0.0f) * pick(radius > 0.0f, 1.0f, 0.0f);
   Mean mean = mean_about(m, round_middle(m, axis, sine * sine, turned, flux), flux);
-  for (int k = 0; k < count; ++k) {
-    mean = with_arc(mean, m, arcs[k]);
+  mean = with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]);
+  if (is_cut) {
+    mean = with_arc(mean, m, arcs[2]);
   }
   return reflected(m, dot(centre, centre) + radius * radius, mean, flux);
 }
@@ -295,18 +304,20 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   }
   vec3 leave = unit(here.to);
   float cut = pick(abs(cos_end) < 0.9999999f, 1.0f, 0.0f);
-  int count = ELLIPSE_ARCS;
-  if (any_lane(cut > 0.5f)) {
+  bool is_cut = any_lane(cut > 0.5f);
+  if (is_cut) {
     arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
     flux = flux + arcs[ELLIPSE_ARCS].flux;
     middle = middle + lobe_turns(m, arcs[ELLIPSE_ARCS]);
-    count = ELLIPSE_ARCS + 1;
   }
   flux = flux * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
   float u2 = dot(u, u), v2 = dot(v, v), c2 = dot(centre, centre);
   Mean mean = mean_about(m, round_middle(m, unit(cone.centre), (u2 + v2) / max(c2, TINY), middle, flux), flux);
-  for (int n = 0; n < count; ++n) {
+  for (int n = 0; n < ELLIPSE_ARCS; ++n) {
     mean = with_arc(mean, m, arcs[n]);
+  }
+  if (is_cut) {
+    mean = with_arc(mean, m, arcs[ELLIPSE_ARCS]);
   }
   flux = flux * pick(min(u2, v2) > 0.0f, 1.0f, 0.0f);
   return reflected(m, c2 + u2 + v2, mean, flux);
