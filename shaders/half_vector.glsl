@@ -320,9 +320,12 @@ ArcNode node_after(HalfArc arc, Turning turning, Peaks peaks, float end, float c
 ArcNodes nodes_at(HalfArc arc, Turning turning, Peaks peaks, float share, float weight)
 {
   float total = peaks.angle1 + peaks.angle2, turn = 0.5f * total * share, x = turn * turn;
-  // Taylor's series, for angles up to a quarter of a turn: 4e-6.
-  float half_sine = turn * (1.0f + x * (-0.166666666666666667f + x * (0.00833333333333333333f + x * (-0.000198412698412698413f + x * 2.75573192239858907e-6f))));
-  float half_cosine = 1.0f + x * (-0.5f + x * (0.0416666666666666667f + x * (-0.00138888888888888889f + x * 2.48015873015873016e-5f)));
+  // Taylor's series, for angles up to a quarter of a turn: 3e-5. Where a node lies need not be exact.
+  float s = -0.000198412698412698413f + x * 2.75573192239858907e-6f;
+  s = -0.166666666666666667f + x * (0.00833333333333333333f + x * s);
+  float c = -0.00138888888888888889f + x * 2.48015873015873016e-5f;
+  c = -0.5f + x * (0.0416666666666666667f + x * c);
+  float half_sine = turn * (1.0f + x * s), half_cosine = 1.0f + x * c;
   float cosine = 1.0f - 2.0f * half_sine * half_sine, sine = 2.0f * half_sine * half_cosine;
   ArcNodes nodes;
   nodes.a = node_after(arc, turning, peaks, arc.low, cosine, sine, total * weight);

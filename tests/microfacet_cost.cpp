@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The cost of a GGX rectangle beside that of linearly transformed cosines (Heitz et al. 2016), in one process, on the
 // same lanes, both from text compiled alike:  ninja microfacet_cost && build/tests/microfacet_cost
-// LTC as engines evaluate it: two bilinear fetches, clipping without branches, the authors' rational edge integral.
+// LTC as engines evaluate it: two bilinear fetches, clipping where any lane needs it, the authors' rational edge
+// integral. Rectangles are above the horizon, as most of a scene's are, or six in ten cut by it, so that every packet
+// has some; Fresnel's reflectance is Schlick's, as LTC's tables have it, or that of a dielectric, which they have not.
 #include "lanes.hpp"
 
 #include <algorithm>
