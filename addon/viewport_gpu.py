@@ -44,7 +44,8 @@ def compile_shader(
         vertex = ["viewport/screen_vertex.glsl"]
         info.vertex_in(0, "VEC2", "corner")
     declare(info)
-    prelude = "#define pick(condition, a, b) ((condition) ? (a) : (b))\n"
+    prelude = "#define pick(condition, a, b) ((condition) ? (a) : (b))\n#define any_lane(condition) (condition)\n"
+    prelude += "#define reciprocal(x) (1.0f / (x))\n"
     info.vertex_source(prelude + "".join(shader_text(file) for file in vertex))
     texts = [shader_text(file) for file in fragment]
     info.fragment_source(prelude + "".join(texts[:-1]) + generated + texts[-1])

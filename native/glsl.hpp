@@ -34,6 +34,12 @@ inline float pick(bool condition, float a, float b) {
 inline vec3 pick(bool condition, const vec3 &a, const vec3 &b) {
     return condition ? a : b;
 }
+inline bool any_lane(bool condition) {
+    return condition;
+}
+inline float reciprocal(float x) {
+    return 1.0F / x;
+}
 inline float inversesqrt(float x) {
     return 1.0F / std::sqrt(x);
 }

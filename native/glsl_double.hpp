@@ -28,6 +28,12 @@ using std::pow;
 using std::sin;
 using std::sqrt;
 
+inline bool any_lane(bool condition) {
+    return condition;
+}
+inline double reciprocal(double x) {
+    return 1.0 / x;
+}
 inline double inversesqrt(double x) {
     return 1.0 / std::sqrt(x);
 }

@@ -54,6 +54,15 @@ inline Real inversesqrt(Real x) {
 #endif
     return y * (1.5F - 0.5F * x * y * y);
 }
+// Of numbers that are neither 0 nor infinite, likewise.
+inline Real reciprocal(Real x) {
+#ifdef __AVX512F__
+    const Real y = _mm512_rcp14_ps(x);
+#else
+    const Real y = xsimd::reciprocal(x);
+#endif
+    return y * (2.0F - x * y);
+}
 inline Real min(Real a, Real b) {
     return xsimd::min(a, b);
 }
@@ -65,6 +74,9 @@ inline Real clamp(Real x, Real low, Real high) {
 }
 inline Real pick(Mask condition, Real a, Real b) {
     return xsimd::select(condition, a, b);
+}
+inline bool any_lane(Mask condition) {
+    return xsimd::any(condition);
 }
 inline Real exp(Real x) {
     return xsimd::exp(x);

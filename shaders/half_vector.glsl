@@ -36,7 +36,7 @@ float angle_of(float x, float y)
 {
   float wide = abs(x);
   float low = min(wide, y), high = max(max(wide, y), TINY);
-  float t = low / high;
+  float t = low * reciprocal(high);
   float q = t * t;
   float a = 0.00276628f * q - 0.01573125f;
   a = a * q + 0.04213762f;
@@ -78,7 +78,7 @@ struct HalfArc {
 float half_tangent(float cosine, float sine)
 {
   float safe = pick(abs(sine) > 1e-12f, sine, 1e-12f);
-  float tangent = pick(cosine > 0.0f, sine, 1.0f - cosine) / pick(cosine > 0.0f, 1.0f + cosine, safe);
+  float tangent = pick(cosine > 0.0f, sine, 1.0f - cosine) * reciprocal(pick(cosine > 0.0f, 1.0f + cosine, safe));
   return clamp(tangent, -FAR_END, FAR_END);
 }
 
@@ -87,42 +87,34 @@ vec3 mirrored(vec3 view)
   return vec3(-view.x, -view.y, view.z);
 }
 
-// The great arc from direction a to direction b, less than half a turn. s = 0 lies where the arc is nearest to the
-// mirrored view: all else is small there, so that no peak is lost to rounding.
+// The great arc from direction a to direction b, less than half a turn, first about its middle, then about where it is
+// nearest to the mirrored view or, at grazing angles and on brushed metal, whose lobe is long and lies askew, one step of
+// Newton's further towards the lobe's axis. There all else is small, so that no peak is lost to rounding.
 HalfArc great_arc(vec3 view, vec3 stretch, vec3 a, vec3 b)
 {
-  vec3 chord = b - a;
-  float back = dot(chord, a);
-  vec3 side = unit(chord - a * back);
-  vec3 mirror = mirrored(view);
-  float x = dot(mirror, a), y = dot(mirror, side), to_b = dot(mirror, b);
-  vec3 end = pick(x > to_b, a, b);
-  vec3 nearest = pick(x * dot(b, side) < y * dot(b, a), end, unit(a * x + side * y));
-  // Seen from a pole of its circle, all of the arc is equally near.
-  nearest = pick(x * x + y * y < 1e-12f, a, nearest);
-  vec3 axis = pick(y < 0.0f, end, nearest);
-  float along = dot(chord, axis);
-  side = unit(chord - axis * along);
-  // At grazing angles and on brushed metal the lobe is long and lies askew: one step of Newton's towards its axis.
   float two = 2.0f;
-  vec3 p = times(stretch, view + axis), slope = times(stretch, side * two);
+  vec3 sum = a + b, chord = b - a, mirror = mirrored(view);
+  float sum2 = dot(sum, sum), chord2 = dot(chord, chord);
+  float by_sum = inversesqrt(max(sum2, TINY)), by_chord = inversesqrt(max(chord2, TINY));
+  vec3 axis = sum * by_sum, side = chord * by_chord;
+  float end = chord2 * by_chord * reciprocal(2.0f + sum2 * by_sum);
+  float x = dot(mirror, axis), y = dot(mirror, side);
+  // On the far side of the circle: beyond either end, or, of an arc from whose pole one looks, its middle.
+  float nearest = y * reciprocal(max(x + sqrt(x * x + y * y), 1e-3f * abs(y) + 1e-12f));
+  nearest = clamp(nearest, -end, end);
+  vec3 p0 = times(stretch, view + axis), p1 = times(stretch, side * two), p2 = times(stretch, view - axis);
+  vec3 bend = p2 * nearest, p = p0 + (p1 + bend) * nearest, slope = p1 + bend + bend;
   float px = slope.x * p.z - p.x * slope.z, py = slope.y * p.z - p.y * slope.z;
-  float step = -(p.x * px + p.y * py) * p.z / max(px * px + py * py, TINY);
-  // Tangents of half the angles to both ends, neither of which is half a turn away, as quotients.
-  float low_y = dot(a, side), low_x = max(1.0f + dot(a, axis), 1e-6f);
-  float high_y = dot(b, side), high_x = max(1.0f + dot(b, axis), 1e-6f);
-  step = clamp(step, min(low_y / low_x, 0.0f), max(high_y / high_x, 0.0f));
-  float k = 1.0f / (1.0f + step * step), c = (1.0f - step * step) * k, s = two * step * k;
-  vec3 old_axis = axis;
-  axis = axis * c + side * s;
-  side = side * c - old_axis * s;
+  float step = -(p.x * px + p.y * py) * p.z * reciprocal(max(px * px + py * py, TINY));
+  float at = clamp(nearest + step, -end, end), twice = 2.0f * at, rest = 1.0f - at * at;
+  // Turned about the circle's axis; a common factor of p, 1 + at^2, means nothing.
   HalfArc arc;
-  arc.p0 = times(stretch, view + axis);
-  arc.p1 = times(stretch, side * two);
-  arc.p2 = times(stretch, view - axis);
-  // The step lies between both ends: neither passes infinity.
-  arc.low = (low_y - step * low_x) / max(low_x + low_y * step, TINY);
-  arc.high = max((high_y - step * high_x) / max(high_x + high_y * step, TINY), arc.low);
+  arc.p0 = p0 + (p1 + p2 * at) * at;
+  arc.p1 = p1 * rest + (p2 - p0) * twice;
+  arc.p2 = p2 - (p1 - p0 * at) * at;
+  // At most half a turn: neither end passes infinity.
+  arc.low = -(end + at) * reciprocal(max(1.0f - at * end, 1e-6f));
+  arc.high = (end - at) * reciprocal(max(1.0f + at * end, 1e-6f));
   return arc;
 }
 
@@ -181,12 +173,28 @@ float from_root(float s, float m, float w)
 // x = ((w1 - w2)^2 - (m1 - m2)^2) / wide2 where x = even / (1 - x) + odd / (1 - x)^2, by its series.
 #define ONE_RIDGE 0.03f
 
+// There the cosine of three times the angle that tells the roots apart is near -1.
+#define RIDGE_COSINE -0.99f
+
+float ridge_sum(float a0, float a1, float a2, float a3, float sum)
+{
+  float half3 = 0.5f * a3, gamma = 0.5f * (a2 - half3 * half3), slope = a1 - a3 * gamma;
+  float wide2 = max(4.0f * gamma - half3 * half3, TINY), by_wide2 = reciprocal(wide2);
+  float even = (slope * a3 - 4.0f * (a0 - gamma * gamma)) * by_wide2 * by_wide2;
+  float part = slope * by_wide2, odd = part * part * by_wide2;
+  float x = even + odd;
+  x = even + odd + x * (even + 2.0f * odd);
+  x = even + odd + x * (even + 2.0f * odd + x * (even + 3.0f * odd));
+  float apart2 = x * x + 4.0f * odd * (1.0f + x + x * x);
+  return pick(apart2 < ONE_RIDGE * ONE_RIDGE, 0.5f * (half3 * half3 + wide2 * (1.0f - x + sqrt(apart2))), sum);
+}
+
 Peaks peaks_of(HalfArc arc)
 {
   Peaks peaks;
   // p2 vanishes where the arc passes through the view itself: one peak goes to infinity. Not further than this.
   float c4 = max(max(dot(arc.p2, arc.p2), 1e-6f * dot(arc.p1, arc.p1)), 1e-12f);
-  float k = 1.0f / c4;
+  float k = reciprocal(c4);
   float a0 = dot(arc.p0, arc.p0) * k, a1 = 2.0f * dot(arc.p0, arc.p1) * k, a3 = 2.0f * dot(arc.p1, arc.p2) * k;
   float a2 = (dot(arc.p1, arc.p1) + 2.0f * dot(arc.p0, arc.p2)) * k;
   float b = a1 * a3 - 4.0f * a0;
@@ -196,21 +204,15 @@ Peaks peaks_of(HalfArc arc)
   float r = (2.0f * a2 * a2 * a2 - 9.0f * a2 * b - 27.0f * c) * 0.0185185185185185185f;
   float cosine = clamp(r * by_root_q * by_root_q * by_root_q, -1.0f, 1.0f);
   float sum = a2 * 0.333333333333333333f + 2.0f * root_q * third_of_angle(sqrt(0.5f + 0.5f * cosine));
-  float half3 = 0.5f * a3, gamma = 0.5f * (a2 - half3 * half3), slope = a1 - a3 * gamma;
-  float wide2 = max(4.0f * gamma - half3 * half3, TINY), by_wide2 = 1.0f / wide2;
-  float even = (slope * a3 - 4.0f * (a0 - gamma * gamma)) * by_wide2 * by_wide2;
-  float part = slope * by_wide2, odd = part * part * by_wide2;
-  float x = even + odd;
-  x = even + odd + x * (even + 2.0f * odd);
-  x = even + odd + x * (even + 2.0f * odd + x * (even + 3.0f * odd));
-  float apart2 = x * x + 4.0f * odd * (1.0f + x + x * x);
-  sum = pick(apart2 < ONE_RIDGE * ONE_RIDGE, 0.5f * (half3 * half3 + wide2 * (1.0f - x + sqrt(apart2))), sum);
+  if (any_lane(cosine < RIDGE_COSINE)) {
+    sum = ridge_sum(a0, a1, a2, a3, sum);
+  }
   float apart_c = sqrt(max(sum * sum - 4.0f * a0, 0.0f));
   float apart_b = sqrt(max(a3 * a3 - 4.0f * (a2 - sum), 0.0f));
   float c2 = max(0.5f * (sum + apart_c), TINY);
-  float c1 = a0 / c2;
+  float c1 = a0 * reciprocal(c2);
   // The linear terms by whichever difference is the safer divisor.
-  float by_c = (a1 - a3 * c1) / max(apart_c, TINY);
+  float by_c = (a1 - a3 * c1) * reciprocal(max(apart_c, TINY));
   float by_b = 0.5f * (a3 + pick(a1 < 0.5f * a3 * sum, -apart_b, apart_b));
   float b1 = pick(apart_c * apart_c > apart_b * apart_b * abs(sum), by_c, by_b);
   float b2 = a3 - b1;
@@ -219,16 +221,27 @@ Peaks peaks_of(HalfArc arc)
   peaks.m2 = -0.5f * b2;
   peaks.w1 = sqrt(max(c1 - peaks.m1 * peaks.m1, 1e-9f * c1 + 1e-18f));
   peaks.w2 = sqrt(max(c2 - peaks.m2 * peaks.m2, 1e-9f * c2 + 1e-18f));
+  return peaks;
+}
+
+Peaks with_angles(HalfArc arc, Peaks peaks)
+{
   peaks.angle1 = turned(peaks.m1, peaks.w1, arc.low, arc.high);
   peaks.angle2 = turned(peaks.m2, peaks.w2, arc.low, arc.high);
   return peaks;
 }
 
-// The integral along the arc of (g0 + g1 s + g2 s^2) / |p|^2, by partial fractions. The residues at two peaks that
-// coincide would be infinite and opposite; a relative distance of SEPARATION costs its square, and saves the rounding.
+// The integrals along the arc of 1, s and s^2 over |p|^2, by partial fractions. The residues at two peaks that coincide
+// would be infinite and opposite; a relative distance of SEPARATION costs its square, and saves the rounding.
+struct Powers {
+  float zero;
+  float one;
+  float two;
+};
+
 #define SEPARATION 0.002f
 
-float rational_integral(HalfArc arc, Peaks peaks, float g0, float g1, float g2)
+Powers powers_of(HalfArc arc, Peaks peaks)
 {
   float m1 = peaks.m1, m2 = peaks.m2;
   float gap = (m1 - m2) * (m1 - m2) + (peaks.w1 - peaks.w2) * (peaks.w1 - peaks.w2);
@@ -236,17 +249,37 @@ float rational_integral(HalfArc arc, Peaks peaks, float g0, float g1, float g2)
   float shift = pick(gap < SEPARATION * SEPARATION * wide * wide, 0.5f * SEPARATION * wide, 0.0f);
   float w1 = peaks.w1 + shift, w2 = max(peaks.w2 - shift, TINY);
   float d = m1 - m2, sums = (w1 - w2) * (w1 + w2);
-  // (z1 - z2) (z1 - conj z2), and its like at z2; g at both.
+  // (z1 - z2) (z1 - conj z2), and its like at z2.
   float q_re1 = d * d - sums, q_im1 = 2.0f * d * w1, q_re2 = d * d + sums, q_im2 = -2.0f * d * w2;
-  float g_re1 = g0 + g1 * m1 + g2 * (m1 * m1 - w1 * w1), g_im1 = w1 * (g1 + 2.0f * g2 * m1);
-  float g_re2 = g0 + g1 * m2 + g2 * (m2 * m2 - w2 * w2), g_im2 = w2 * (g1 + 2.0f * g2 * m2);
-  float k = 1.0f / max(w1 * w2 * (q_re1 * q_re1 + q_im1 * q_im1), TINY), k1 = k * w2, k2 = k * w1; // |q1| = |q2|
-  float at_angle1 = (g_re1 * q_re1 + g_im1 * q_im1) * k1, at_angle2 = (g_re2 * q_re2 + g_im2 * q_im2) * k2;
-  float at_log = (g_im1 * q_re1 - g_re1 * q_im1) * k1; // its like at z2 is the opposite: the integrand falls as 1/s^2
+  float k = peaks.scale * reciprocal(max(w1 * w2 * (q_re1 * q_re1 + q_im1 * q_im1), TINY)); // |q1| = |q2|
   float ratio = from_root(arc.high, m1, w1) * from_root(arc.low, m2, w2);
-  ratio = ratio / max(from_root(arc.low, m1, w1) * from_root(arc.high, m2, w2), TINY);
-  float logs = 0.5f * log(max(ratio, TINY));
-  return (at_angle1 * peaks.angle1 + at_angle2 * peaks.angle2 + at_log * logs) * peaks.scale;
+  ratio = ratio * reciprocal(max(from_root(arc.low, m1, w1) * from_root(arc.high, m2, w2), TINY));
+  // The logarithm of both peaks has opposite factors: the integrand falls as 1/s^2.
+  float by_log = 0.5f * log(max(ratio, TINY)) * k * w2, angle1 = peaks.angle1 * k * w2, angle2 = peaks.angle2 * k * w1;
+  // What the real part of a numerator at each peak is to be taken by, and the imaginary one.
+  float re1 = q_re1 * angle1 - q_im1 * by_log, im1 = (q_im1 * angle1 + q_re1 * by_log) * w1;
+  float re2 = q_re2 * angle2, im2 = q_im2 * angle2 * w2;
+  Powers powers;
+  powers.zero = re1 + re2;
+  powers.one = re1 * m1 + im1 + (re2 * m2 + im2);
+  powers.two = re1 * (m1 * m1 - w1 * w1) + re2 * (m2 * m2 - w2 * w2) + 2.0f * (im1 * m1 + im2 * m2);
+  return powers;
+}
+
+// p x p' = c0 + c1 s + c2 s^2.
+struct Turning {
+  vec3 c0;
+  vec3 c1;
+  vec3 c2;
+};
+
+Turning turning_of(HalfArc arc)
+{
+  Turning turning;
+  turning.c0 = cross(arc.p0, arc.p1);
+  turning.c1 = cross(arc.p0, arc.p2 + arc.p2);
+  turning.c2 = cross(arc.p1, arc.p2);
+  return turning;
 }
 
 // A point of the outline, p normalised, and its share of the integral of p x p' / |p|^2.
@@ -254,27 +287,6 @@ struct ArcNode {
   vec3 point;
   vec3 turn;
 };
-
-// Taylor's series, for angles up to a quarter of a turn: 4e-6.
-float sine_of(float angle)
-{
-  float x = angle * angle;
-  float s = 1.0f - x * 0.0138888888888888889f;
-  s = 1.0f - x * 0.0238095238095238095f * s;
-  s = 1.0f - x * 0.05f * s;
-  s = 1.0f - x * 0.166666666666666667f * s;
-  return angle * s;
-}
-
-float cosine_of(float angle)
-{
-  float x = angle * angle;
-  float c = 1.0f - x * 0.0111111111111111111f;
-  c = 1.0f - x * 0.0178571428571428571f * c;
-  c = 1.0f - x * 0.0333333333333333333f * c;
-  c = 1.0f - x * 0.0833333333333333333f * c;
-  return 1.0f - x * 0.5f * c;
-}
 
 // The nodes at a given share of both peaks' angles, at most a half, from either end. There the two integrands 1/|s - z|^2
 // are flat, and (s - z1)(s - z2) has a known phase: s is the root of a quadratic.
@@ -284,40 +296,39 @@ struct ArcNodes {
 };
 
 // The node whose phase is that of the arc's end s, turned.
-ArcNode node_after(HalfArc arc, Peaks peaks, float end, float cosine, float sine, float weight)
+ArcNode node_after(HalfArc arc, Turning turning, Peaks peaks, float end, float cosine, float sine, float weight)
 {
   float m1 = peaks.m1, m2 = peaks.m2, w1 = peaks.w1, w2 = peaks.w2;
   float x = (end - m1) * (end - m2) - w1 * w2, y = -w1 * (end - m2) - w2 * (end - m1);
   float ex = x * cosine - y * sine, ey = y * cosine + x * sine;
+  // Of both roots s the one where the phase is this rather than the opposite one: it grows with s from none to a turn, so
+  // up to half a turn, where ey > 0, the lesser root, and beyond the greater. By the divisor that does not cancel.
   float qb = ey * (m1 + m2) - ex * (w1 + w2), qc = ex * (m1 * w2 + m2 * w1) - ey * (m1 * m2 - w1 * w2);
-  float root = sqrt(max(qb * qb + 4.0f * ey * qc, 0.0f));
-  float half_sum = -0.5f * (qb + pick(qb < 0.0f, -root, root));
-  // Of the roots -half_sum / ey and qc / half_sum the one with this phase, not the opposite one.
-  float n = -half_sum, d = ey;
-  float re = (n - m1 * d) * (n - m2 * d) - w1 * w2 * d * d, im = -(w1 * (n - m2 * d) + w2 * (n - m1 * d)) * d;
-  float same = ex * re + ey * im;
-  n = pick(same > 0.0f, n, qc);
-  d = pick(same > 0.0f, d, half_sum);
-  float s = clamp(n / pick(abs(d) > TINY, d, TINY), -FAR_END, FAR_END);
+  float discriminant = sqrt(max(qb * qb + 4.0f * ey * qc, 0.0f)), size = abs(qb) + discriminant;
+  float n = pick(qb < 0.0f, -size, -2.0f * qc), d = pick(qb < 0.0f, 2.0f * ey, size);
+  float s = clamp(n * reciprocal(pick(abs(d) > TINY, d, TINY)), -FAR_END, FAR_END);
   float from1 = from_root(s, m1, w1), from2 = from_root(s, m2, w2);
   vec3 p = arc.p0 + (arc.p1 + arc.p2 * s) * s;
-  float s2 = 2.0f * s;
-  vec3 slope = arc.p1 + arc.p2 * s2;
   // |p|^2 scale = from1 from2.
-  float amount = weight * peaks.scale / max(w1 * from2 + w2 * from1, TINY);
+  float amount = weight * peaks.scale * reciprocal(max(w1 * from2 + w2 * from1, TINY));
   ArcNode node;
   node.point = unit(p);
-  node.turn = cross(p, slope) * amount;
+  node.turn = (turning.c0 + (turning.c1 + turning.c2 * s) * s) * amount;
   return node;
 }
 
-ArcNodes nodes_at(HalfArc arc, Peaks peaks, float share, float weight)
+ArcNodes nodes_at(HalfArc arc, Turning turning, Peaks peaks, float share, float weight)
 {
-  float total = peaks.angle1 + peaks.angle2, turn = total * share;
-  float half_sine = sine_of(0.5f * turn);
-  float cosine = 1.0f - 2.0f * half_sine * half_sine, sine = 2.0f * half_sine * cosine_of(0.5f * turn);
+  float total = peaks.angle1 + peaks.angle2, turn = 0.5f * total * share, x = turn * turn;
+  // Taylor's series, for angles up to a quarter of a turn: 3e-5. Where a node lies need not be exact.
+  float s = -0.000198412698412698413f + x * 2.75573192239858907e-6f;
+  s = -0.166666666666666667f + x * (0.00833333333333333333f + x * s);
+  float c = -0.00138888888888888889f + x * 2.48015873015873016e-5f;
+  c = -0.5f + x * (0.0416666666666666667f + x * c);
+  float half_sine = turn * (1.0f + x * s), half_cosine = 1.0f + x * c;
+  float cosine = 1.0f - 2.0f * half_sine * half_sine, sine = 2.0f * half_sine * half_cosine;
   ArcNodes nodes;
-  nodes.a = node_after(arc, peaks, arc.low, cosine, sine, total * weight);
-  nodes.b = node_after(arc, peaks, arc.high, cosine, -sine, total * weight);
+  nodes.a = node_after(arc, turning, peaks, arc.low, cosine, sine, total * weight);
+  nodes.b = node_after(arc, turning, peaks, arc.high, cosine, -sine, total * weight);
   return nodes;
 }

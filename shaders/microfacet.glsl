@@ -47,8 +47,8 @@ float reach(int brdf, vec3 rough, vec3 d)
   if (brdf == BRDF_GGX) {
     return 0.5f * (d.z + sqrt(dot(r, r)));
   }
-  float across = sqrt(r.x * r.x + r.y * r.y), a = d.z / max(across, TINY);
-  float masked = across * (1.0f + a * (2.276f + 2.577f * a)) / (3.535f + 2.181f * a);
+  float across = sqrt(r.x * r.x + r.y * r.y), a = d.z * reciprocal(max(across, TINY));
+  float masked = across * (1.0f + a * (2.276f + 2.577f * a)) * reciprocal(3.535f + 2.181f * a);
   return pick(a < 1.6f, masked, d.z);
 }
 
@@ -106,22 +106,23 @@ float normal_density(Microfacets m, vec3 h)
 // (1 - cosine)^5 (Schlick 1994).
 float fresnel_share(float cosine, float index)
 {
-  float c = clamp(cosine, 0.0f, 1.0f), n = max(index, 1.0f), miss = 1.0f - c;
-  float steep = (n - 1.0f) * (n + 1.0f), g = sqrt(steep + c * c), sum = g + c;
-  float over = sum * (c * sum - 1.0f), under = c * steep + sum, whole = sum * sum * under;
-  float reflectance = 0.5f * steep * steep * (under * under + over * over) / max(whole * whole, TINY);
-  // What depends on the index alone is the same at every node.
-  float straight_on = (n - 1.0f) / (n + 1.0f), rise = (n + 1.0f) * (n + 1.0f) / (4.0f * n);
-  float exact = clamp((reflectance - straight_on * straight_on) * rise, 0.0f, 1.0f);
-  return pick(index > 0.5f, exact, miss * miss * miss * miss * miss);
+  float c = clamp(cosine, 0.0f, 1.0f), miss = 1.0f - c, miss2 = miss * miss, share = miss2 * miss2 * miss;
+  if (any_lane(index > 0.5f)) {
+    float n = max(index, 1.0f), steep = (n - 1.0f) * (n + 1.0f), g = sqrt(steep + c * c), sum = g + c;
+    float over = sum * (c * sum - 1.0f), under = c * steep + sum, whole = sum * sum * under;
+    float reflectance = 0.5f * steep * steep * (under * under + over * over) * reciprocal(max(whole * whole, TINY));
+    // What depends on the index alone is the same at every node.
+    float straight_on = (n - 1.0f) / (n + 1.0f), rise = (n + 1.0f) * (n + 1.0f) / (4.0f * n);
+    share = pick(index > 0.5f, clamp((reflectance - straight_on * straight_on) * rise, 0.0f, 1.0f), share);
+  }
+  return share;
 }
 
-// F and G2 / n.v, for F = 1 and for fresnel_share, where the half vector is squash * p.
-Reflection masking(Microfacets m, vec3 p)
+// F and G2 / n.v, for F = 1 and for fresnel_share, of the half vector h of any length; `towards` is v.h.
+Reflection masking_at(Microfacets m, vec3 h, float towards)
 {
-  vec3 h = times(m.squash, p);
   float inverse = inversesqrt(max(dot(h, h), TINY));
-  float along = dot(m.view, h) * inverse;
+  float along = towards * inverse;
   float two = 2.0f * along * inverse;
   vec3 i = h * two - m.view;
   i.z = max(i.z, 0.0f);
@@ -129,9 +130,16 @@ Reflection masking(Microfacets m, vec3 p)
   float shadowed = reach(m.brdf, m.rough, i);
   float both = m.apart * (m.view_reach - m.view.z) * (shadowed - i.z);
   Reflection g;
-  g.plain = i.z / max(m.view_reach * i.z + m.view.z * (shadowed - i.z) + both, TINY);
+  g.plain = i.z * reciprocal(max(m.view_reach * i.z + m.view.z * (shadowed - i.z) + both, TINY));
   g.fresnel = g.plain * fresnel_share(along, m.index);
   return g;
+}
+
+// The same where the half vector is squash * p.
+Reflection masking(Microfacets m, vec3 p)
+{
+  vec3 h = times(m.squash, p);
+  return masking_at(m, h, dot(m.view, h));
 }
 
 // The BRDF times n.i, for F = 1: what a light that fills little of the sky is worth.
@@ -221,11 +229,11 @@ float node_flux(Microfacets m, Level level, ArcNode node)
 #define LOBE_PANELS 3
 #define LOBE_PANEL 0.333333333333333333f
 
-float lobe_flux(Microfacets m, HalfArc half_arc, Peaks peaks, Level level)
+float lobe_flux(Microfacets m, HalfArc half_arc, Turning turning, Peaks peaks, Level level)
 {
   float flux = level.flux, panel = LOBE_PANEL, place = OPEN_NODE;
   for (int k = 0; k < LOBE_PANELS; ++k) {
-    ArcNodes nodes = nodes_at(half_arc, peaks, place * panel, 0.5f * panel);
+    ArcNodes nodes = nodes_at(half_arc, turning, peaks, place * panel, 0.5f * panel);
     flux = flux + node_flux(m, level, nodes.a) + node_flux(m, level, nodes.b);
     // From the end: the other node of this panel, then the first of the next.
     place = pick(place < 0.5f, 1.0f - OPEN_NODE, 1.0f + OPEN_NODE);
@@ -233,21 +241,24 @@ float lobe_flux(Microfacets m, HalfArc half_arc, Peaks peaks, Level level)
   return flux;
 }
 
+float arc_flux(Microfacets m, HalfArc half_arc, Turning turning, Peaks peaks, Level level)
+{
+  if (m.brdf != BRDF_GGX) {
+    return lobe_flux(m, half_arc, turning, peaks, level);
+  }
+  Powers powers = powers_of(half_arc, peaks);
+  float g0 = dot(m.weight, turning.c0), g1 = dot(m.weight, turning.c1), g2 = dot(m.weight, turning.c2);
+  return 0.5f * (g0 * powers.zero + g1 * powers.one + g2 * powers.two);
+}
+
 RimArc rim_arc(Microfacets m, HalfArc half_arc, Peaks peaks, float first_node, Level level)
 {
   RimArc arc;
-  ArcNodes nodes = nodes_at(half_arc, peaks, first_node, 0.5f);
+  Turning turning = turning_of(half_arc);
+  ArcNodes nodes = nodes_at(half_arc, turning, peaks, first_node, 0.5f);
   arc.a = nodes.a;
   arc.b = nodes.b;
-  if (m.brdf == BRDF_GGX) {
-    float g0 = 0.5f * dot(m.weight, cross(half_arc.p0, half_arc.p1));
-    float g1 = dot(m.weight, cross(half_arc.p0, half_arc.p2));
-    float g2 = 0.5f * dot(m.weight, cross(half_arc.p1, half_arc.p2));
-    arc.flux = rational_integral(half_arc, peaks, g0, g1, g2);
-  }
-  if (m.brdf != BRDF_GGX) {
-    arc.flux = lobe_flux(m, half_arc, peaks, level);
-  }
+  arc.flux = arc_flux(m, half_arc, turning, peaks, level);
   return arc;
 }
 
@@ -280,7 +291,7 @@ float log_lobe(Microfacets m, vec3 p)
 RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
 {
   HalfArc half_arc = great_arc(m.view, m.stretch, a, b);
-  return rim_arc(m, half_arc, peaks_of(half_arc), OPEN_NODE, no_level());
+  return rim_arc(m, half_arc, with_angles(half_arc, peaks_of(half_arc)), OPEN_NODE, no_level());
 }
 
 // A small circle that is small beside the lobe has its peaks at +-i, both: there the nodes' own sum is the better one.
@@ -288,7 +299,7 @@ RimArc great_circle_arc(Microfacets m, vec3 a, vec3 b)
 
 RimArc small_circle_arc(Microfacets m, HalfArc half_arc, float first_node)
 {
-  Peaks peaks = peaks_of(half_arc);
+  Peaks peaks = with_angles(half_arc, peaks_of(half_arc));
   Level level = level_of(m, half_arc);
   RimArc arc = rim_arc(m, half_arc, peaks, first_node, level);
   if (m.brdf == BRDF_GGX) {
@@ -314,7 +325,8 @@ struct Mean {
   Reflection at_apex;
   float apex_weight;
   float apex_lobe;
-  float weight;
+  float solid_angle;
+  float weight; // and the others: of the nodes alone, without the apex
   float plain;
   float fresnel;
   float most; // masking at any node: the mean is no higher
@@ -334,6 +346,7 @@ Mean mean_about(Microfacets m, vec3 middle, float flux)
   if (m.brdf != BRDF_GGX) {
     mean.apex_lobe = log_lobe(m, mean.apex);
   }
+  mean.solid_angle = 0.0f;
   mean.weight = 0.0f;
   mean.plain = 0.0f;
   mean.fresnel = 0.0f;
@@ -344,19 +357,20 @@ Mean mean_about(Microfacets m, vec3 middle, float flux)
 Mean with_node(Mean mean, Microfacets m, ArcNode node)
 {
   float near_part = 1.0f - FAN_NODE, far_part = FAN_NODE, cosine = dot(mean.apex, node.point);
-  vec3 p = mean.apex * near_part + node.point * far_part;
-  float inverse = inversesqrt(max(near_part * near_part + far_part * (far_part + 2.0f * near_part * cosine), 0.25f));
-  Reflection g = masking(m, p);
-  float solid_angle = dot(mean.facing, node.turn) / max(1.0f + cosine, 1e-3f);
+  vec3 p = mean.apex * near_part + node.point * far_part, h = times(m.squash, p);
+  float inverse = inversesqrt(near_part * near_part + far_part * far_part + 2.0f * near_part * far_part * cosine);
+  float towards = dot(m.view, h);
+  Reflection g = masking_at(m, h, towards);
+  float solid_angle = dot(mean.facing, node.turn) * reciprocal(max(1.0f + cosine, 1e-3f));
   solid_angle = max(solid_angle, solid_angle * FAN_OUTSIDE);
-  float at_apex = solid_angle * mean.apex_weight;
-  float at_node = FAN_WEIGHT * inverse * solid_angle * dot(m.weight, p);
+  float at_node = FAN_WEIGHT * inverse * solid_angle * towards;
   if (m.brdf != BRDF_GGX) {
     at_node = at_node * exp(min(log_lobe(m, p * inverse) - mean.apex_lobe, 20.0f));
   }
-  mean.weight = mean.weight + at_apex + at_node;
-  mean.plain = mean.plain + at_apex * mean.at_apex.plain + at_node * g.plain;
-  mean.fresnel = mean.fresnel + at_apex * mean.at_apex.fresnel + at_node * g.fresnel;
+  mean.solid_angle = mean.solid_angle + solid_angle;
+  mean.weight = mean.weight + at_node;
+  mean.plain = mean.plain + at_node * g.plain;
+  mean.fresnel = mean.fresnel + at_node * g.fresnel;
   mean.most = max(mean.most, g.plain);
   return mean;
 }
@@ -369,13 +383,15 @@ Mean with_arc(Mean mean, Microfacets m, RimArc arc)
 // Of a light whose numbers have the sum of squares `size2`.
 Reflection reflected(Microfacets m, float size2, Mean mean, float flux)
 {
+  float at_apex = mean.solid_angle * mean.apex_weight, weight = mean.weight + at_apex;
   // Negative where a tiny light's flux is all rounding.
-  float k = pick(mean.weight < 0.0f, -1.0f, 1.0f) / max(abs(mean.weight), TINY);
+  float k = pick(weight < 0.0f, -1.0f, 1.0f) * reciprocal(max(abs(weight), TINY));
   float amount = 0.318309886183790672f * abs(flux);
-  float plain = min(max(mean.plain * k, 0.0f), mean.most);
+  float plain = min(max((mean.plain + at_apex * mean.at_apex.plain) * k, 0.0f), mean.most);
+  float fresnel = min(max((mean.fresnel + at_apex * mean.at_apex.fresnel) * k, 0.0f), plain);
   Reflection light;
   // Energy: a surface lit by radiance 1 from everywhere sends no more.
   light.plain = if_finite(m.size2 + size2, min(amount * plain, 1.0f));
-  light.fresnel = min(if_finite(m.size2 + size2, amount * min(max(mean.fresnel * k, 0.0f), plain)), light.plain);
+  light.fresnel = min(if_finite(m.size2 + size2, amount * fresnel), light.plain);
   return light;
 }

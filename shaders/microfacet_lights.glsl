@@ -15,7 +15,7 @@ struct LitEdge {
 LitEdge lit_edge(vec3 a, vec3 b)
 {
   float rise = b.z - a.z, zero = 0.0f;
-  float t = clamp(-a.z / pick(abs(rise) > TINY, rise, TINY), 0.0f, 1.0f);
+  float t = clamp(-a.z * reciprocal(pick(abs(rise) > TINY, rise, TINY)), 0.0f, 1.0f);
   vec3 crossing = unit(vec3(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), zero));
   vec3 none = vec3(zero, zero, zero), zenith = vec3(zero, zero, 1.0f);
   LitEdge edge;
@@ -26,17 +26,33 @@ LitEdge lit_edge(vec3 a, vec3 b)
   return edge;
 }
 
+LitEdge whole_edge(vec3 a, vec3 b)
+{
+  float zero = 0.0f;
+  LitEdge edge;
+  edge.a = a;
+  edge.b = b;
+  edge.leave = vec3(zero, zero, zero);
+  edge.enter = edge.leave;
+  return edge;
+}
+
 RimArc lit_arc(Microfacets m, LitEdge edge)
 {
   return great_circle_arc(m, edge.a, edge.b);
 }
 
-// The arc along the horizon that closes a clipped outline; no length where nothing was clipped.
-RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
+// Along the horizon, closing a clipped outline; no length where nothing was clipped.
+LitEdge horizon_edge(vec3 leave, vec3 enter)
 {
   float both = dot(leave, leave) * dot(enter, enter), zero = 0.0f;
   vec3 zenith = vec3(zero, zero, 1.0f);
-  return great_circle_arc(m, pick(both > 0.25f, leave, zenith), pick(both > 0.25f, enter, zenith));
+  return whole_edge(pick(both > 0.25f, leave, zenith), pick(both > 0.25f, enter, zenith));
+}
+
+RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
+{
+  return lit_arc(m, horizon_edge(leave, enter));
 }
 
 // ---- Lights ----
@@ -44,22 +60,66 @@ RimArc horizon_arc(Microfacets m, vec3 leave, vec3 enter)
 Reflection microfacet_quad(Microfacets m, vec3 a, vec3 b, vec3 c, vec3 d)
 {
   vec3 ua = unit(a), ub = unit(b), uc = unit(c), ud = unit(d);
-  LitEdge ab = lit_edge(ua, ub), bc = lit_edge(ub, uc), cd = lit_edge(uc, ud), da = lit_edge(ud, ua);
+  LitEdge edges[5];
+  edges[0] = whole_edge(ua, ub);
+  edges[1] = whole_edge(ub, uc);
+  edges[2] = whole_edge(uc, ud);
+  edges[3] = whole_edge(ud, ua);
+  edges[4] = edges[0];
+  // Most lights are above every horizon in sight.
+  bool cut = any_lane(min(min(ua.z, ub.z), min(uc.z, ud.z)) < 0.0f);
+  if (cut) {
+    vec3 leave = edges[0].leave, enter = leave;
+    for (int k = 0; k < 4; ++k) {
+      edges[k] = lit_edge(edges[k].a, edges[k].b);
+      leave = leave + edges[k].leave;
+      enter = enter + edges[k].enter;
+    }
+    edges[4] = horizon_edge(leave, enter);
+  }
+  // Step by step rather than edge by edge: each step waits for the one before, but not for the other edges'. Bounds that
+  // vary would keep GPUs from unrolling, and arrays from registers.
+  HalfArc halves[5];
+  Peaks peaks[5];
+  Turning turnings[5];
   RimArc arcs[5];
-  arcs[0] = lit_arc(m, ab);
-  arcs[1] = lit_arc(m, bc);
-  arcs[2] = lit_arc(m, cd);
-  arcs[3] = lit_arc(m, da);
-  arcs[4] = horizon_arc(m, ab.leave + bc.leave + cd.leave + da.leave, ab.enter + bc.enter + cd.enter + da.enter);
-  float flux = arcs[0].flux;
-  vec3 middle = lobe_turns(m, arcs[0]);
-  for (int k = 1; k < 5; ++k) {
-    flux = flux + arcs[k].flux;
-    middle = middle + lobe_turns(m, arcs[k]);
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      halves[k] = great_arc(m.view, m.stretch, edges[k].a, edges[k].b);
+    }
+  }
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      peaks[k] = peaks_of(halves[k]);
+    }
+  }
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      peaks[k] = with_angles(halves[k], peaks[k]);
+    }
+  }
+  float flux = 0.0f, zero = 0.0f;
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      turnings[k] = turning_of(halves[k]);
+      arcs[k].flux = arc_flux(m, halves[k], turnings[k], peaks[k], no_level());
+      flux = flux + arcs[k].flux;
+    }
+  }
+  vec3 middle = vec3(zero, zero, zero);
+  for (int k = 0; k < 5; ++k) {
+    if (k < 4 || cut) {
+      ArcNodes nodes = nodes_at(halves[k], turnings[k], peaks[k], OPEN_NODE, 0.5f);
+      arcs[k].a = nodes.a;
+      arcs[k].b = nodes.b;
+      middle = middle + lobe_turns(m, arcs[k]);
+    }
   }
   Mean mean = mean_about(m, middle, flux);
   for (int k = 0; k < 5; ++k) {
-    mean = with_arc(mean, m, arcs[k]);
+    if (k < 4 || cut) {
+      mean = with_arc(mean, m, arcs[k]);
+    }
   }
   return reflected(m, dot(a, a) + dot(b, b) + dot(c, c) + dot(d, d), mean, flux);
 }
@@ -98,12 +158,20 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
   RimArc arcs[3];
   arcs[0] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, one, zero, cos_end, sin_end), CLOSED_NODE);
   arcs[1] = small_circle_arc(m, small_arc(m.view, m.stretch, middle, x, y, cos_end, -sin_end, one, zero), CLOSED_NODE);
-  arcs[2] = horizon_arc(m, leave * cut, enter * cut);
-  float flux = (arcs[0].flux + arcs[1].flux + arcs[2].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
-  flux = flux * pick(radius > 0.0f, 1.0f, 0.0f);
-  vec3 turned = lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]) + lobe_turns(m, arcs[2]);
+  float flux = arcs[0].flux + arcs[1].flux;
+  vec3 turned = lobe_turns(m, arcs[0]) + lobe_turns(m, arcs[1]);
+  bool is_cut = any_lane(cut > 0.5f);
+  if (is_cut) {
+    arcs[2] = horizon_arc(m, leave * cut, enter * cut);
+    flux = flux + arcs[2].flux;
+    turned = turned + lobe_turns(m, arcs[2]);
+  }
+  flux = flux * pick(cos_end < 0.9999995f, 1.0f, 0.0f) * pick(radius > 0.0f, 1.0f, 0.0f);
   Mean mean = mean_about(m, round_middle(m, axis, sine * sine, turned, flux), flux);
-  mean = with_arc(with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]), m, arcs[2]);
+  mean = with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]);
+  if (is_cut) {
+    mean = with_arc(mean, m, arcs[2]);
+  }
   return reflected(m, dot(centre, centre) + radius * radius, mean, flux);
 }
 
@@ -236,13 +304,20 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   }
   vec3 leave = unit(here.to);
   float cut = pick(abs(cos_end) < 0.9999999f, 1.0f, 0.0f);
-  arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
-  flux = (flux + arcs[ELLIPSE_ARCS].flux) * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
+  bool is_cut = any_lane(cut > 0.5f);
+  if (is_cut) {
+    arcs[ELLIPSE_ARCS] = horizon_arc(m, leave * cut, enter * cut);
+    flux = flux + arcs[ELLIPSE_ARCS].flux;
+    middle = middle + lobe_turns(m, arcs[ELLIPSE_ARCS]);
+  }
+  flux = flux * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
   float u2 = dot(u, u), v2 = dot(v, v), c2 = dot(centre, centre);
-  middle = middle + lobe_turns(m, arcs[ELLIPSE_ARCS]);
   Mean mean = mean_about(m, round_middle(m, unit(cone.centre), (u2 + v2) / max(c2, TINY), middle, flux), flux);
-  for (int n = 0; n <= ELLIPSE_ARCS; ++n) {
+  for (int n = 0; n < ELLIPSE_ARCS; ++n) {
     mean = with_arc(mean, m, arcs[n]);
+  }
+  if (is_cut) {
+    mean = with_arc(mean, m, arcs[ELLIPSE_ARCS]);
   }
   flux = flux * pick(min(u2, v2) > 0.0f, 1.0f, 0.0f);
   return reflected(m, c2 + u2 + v2, mean, flux);
