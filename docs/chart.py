@@ -111,7 +111,8 @@ def rivals(axes: Any, rows: list[dict[str, Any]], ours: set[str], scale: float) 
         colour, marker = (SFUMATO, "D") if own else (CYCLES, "o")
         axes.loglog([scale * row["seconds"]], [row["error"]], marker, color=colour, markersize=7 if own else 5)
         name = row["method"]
-        axes.annotate(name, (scale * row["seconds"], row["error"]), (5, 4), textcoords="offset points", fontsize=7)
+        place = (5, -10) if own else (5, 4)
+        axes.annotate(name, (scale * row["seconds"], row["error"]), place, textcoords="offset points", fontsize=7)
     axes.margins(0.22, 0.16)
     axes.grid(True, alpha=0.25)
 

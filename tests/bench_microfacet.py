@@ -5,9 +5,11 @@ PYTHONPATH=build/python tests/bench_microfacet.py"""
 
 from __future__ import annotations
 
+import subprocess
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import ltc
 import numpy as np
@@ -84,8 +86,7 @@ def of_ggx(method: Callable[[Array, Array, Array], Array]) -> Method:
     return lambda lights: method(lights.rectangles, lights.views, lights.alphas)
 
 
-# The rivals are of GGX, and in NumPy: their times are not the method's. tests/microfacet_cost.cpp compares like with
-# like.
+# The rivals are of GGX, and in NumPy: what they take here is not the method's time, see lane_seconds().
 METHODS: dict[str, tuple[Method, int]] = {
     "closed-form": (closed_form, 0),
     "ltc": (of_ggx(ltc.ltc), ltc.TABLE_BYTES),
@@ -132,10 +133,29 @@ TARGETS = {
 }
 
 
+def lane_seconds() -> dict[str, float]:
+    """Seconds a rectangle of each method on GGX, from tests/microfacet_cost.cpp, where all are compiled alike."""
+    build = Path(__file__).resolve().parent.parent / "build"
+    subprocess.run(["cmake", "--build", build, "--target", "microfacet_cost"], check=True, stdout=subprocess.DEVNULL)
+    runs = [
+        subprocess.run([build / "tests" / "microfacet_cost", "methods"], check=True, text=True, stdout=subprocess.PIPE)
+        for _ in range(3)
+    ]
+    times: dict[str, float] = {}
+    for line in "".join(run.stdout for run in runs).splitlines():
+        method, nanoseconds = line.split()
+        times[method] = min(times.get(method, np.inf), 1e-9 * float(nanoseconds))
+    return times
+
+
 def microfacet_lights() -> tuple[list[ReflectionRow], list[str]]:
     """For bench.py: the rows, and each case beside its target."""
     rows = reflections()
-    remarks = []
+    seconds = lane_seconds()
+    for row in rows:
+        if row["case"].startswith("ggx"):
+            row["seconds"] = seconds[row["method"]]
+    remarks = ["seconds on GGX: all methods compiled alike, on as many lanes as the processor has (microfacet_cost)"]
     for row in rows:
         if row["method"] == "closed-form":
             error, relative = TARGETS[row["case"]]

@@ -81,11 +81,48 @@ Reflection ltc_quad(const Table &table, const vec3 &view, Real alpha, const vec3
     return light;
 }
 
-// As the lead's frame would call it: one function in which all is inlined, so that nothing passes through memory.
+// As a frame calls it: one function in which all is inlined, so that nothing passes through memory.
 [[gnu::flatten]] Reflection flat_ggx_quad(const vec3 &view, Real alpha, Real index, const vec3 *c) {
     Microfacets m = microfacets(BRDF_GGX, view, alpha, alpha);
     m.index = index;
     return microfacet_quad(m, c[0], c[1], c[2], c[3]);
+}
+
+Real triangle_solid_angle(const vec3 &a, const vec3 &b, const vec3 &c) {
+    return 2.0F * atan(abs(dot(a, cross(b, c))), 1.0F + dot(a, b) + dot(b, c) + dot(c, a));
+}
+
+// Karis, "Real Shading in Unreal Engine 4", 2013, for rectangles, as tests/ltc.py has it.
+[[gnu::flatten]] Reflection representative_point(const vec3 &view, Real alpha, const vec3 *c) {
+    const vec3 u = c[1] - c[0], v = c[3] - c[0], normal = unit(cross(u, v)), mirror = mirrored(view);
+    const Real along = dot(normal, mirror);
+    const Real t = dot(normal, c[0]) / pick(abs(along) < 1e-6F, 1e-6F, along);
+    const vec3 hit = mirror * pick(t > 0.0F, t, 1e3F) - c[0];
+    const vec3 point =
+        c[0] + u * clamp(dot(hit, u) / dot(u, u), 0.0F, 1.0F) + v * clamp(dot(hit, v) / dot(v, v), 0.0F, 1.0F);
+    const vec3 p[4] = {unit(c[0]), unit(c[1]), unit(c[2]), unit(c[3])};
+    const Real omega = triangle_solid_angle(p[0], p[1], p[2]) + triangle_solid_angle(p[0], p[2], p[3]);
+    const Real wider = clamp(alpha + 0.5F * sqrt(omega * 0.318309886F), 0.0F, 1.0F), narrower = alpha / wider;
+    Reflection light = microfacet_reflection(microfacets(BRDF_GGX, view, alpha, alpha), unit(point));
+    light.plain = light.plain * narrower * narrower * omega;
+    return light;
+}
+
+// An even grid of 64 points: what a renderer would do without noise's other half, the random numbers.
+[[gnu::flatten]] Reflection sampled(const vec3 &view, Real alpha, const vec3 *c) {
+    constexpr int SIDE = 8;
+    const Microfacets m = microfacets(BRDF_GGX, view, alpha, alpha);
+    const vec3 u = c[1] - c[0], v = c[3] - c[0], normal = cross(u, v);
+    Reflection light;
+    light.plain = light.fresnel = 0.0F;
+    for (int k = 0; k < SIDE * SIDE; ++k) {
+        const Real a = (static_cast<float>(k % SIDE) + 0.5F) / SIDE, b = (static_cast<float>(k / SIDE) + 0.5F) / SIDE;
+        const vec3 point = c[0] + u * a + v * b;
+        const Real inverse = inversesqrt(dot(point, point));
+        const Real share = abs(dot(point, normal)) * inverse * inverse * inverse / (SIDE * SIDE);
+        light.plain = light.plain + microfacet_reflection(m, point * inverse).plain * share;
+    }
+    return light;
 }
 
 struct Inputs {
@@ -129,13 +166,34 @@ double nanoseconds(const Inputs &inputs, float lowest, bool dielectric, const Me
     return best / (static_cast<double>(inputs.numbers.size()) / 16.0);
 }
 
+// Nanoseconds a rectangle of each method that the benchmark of area lights compares, by the names that it has there.
+void print_methods(const Inputs &inputs, const Table &table) {
+    constexpr float LOWEST = -0.2F; // many are cut by the horizon
+    const auto print = [&](const char *name, const auto &method) {
+        std::printf("%s %.2f\n", name, nanoseconds(inputs, LOWEST, false, method));
+    };
+    print("closed-form",
+          [](const vec3 &view, Real alpha, Real index, const vec3 *c) { return flat_ggx_quad(view, alpha, index, c); });
+    print("ltc",
+          [&](const vec3 &view, Real alpha, Real /*index*/, const vec3 *c) { return ltc_quad(table, view, alpha, c); });
+    print("mrp", [](const vec3 &view, Real alpha, Real /*index*/, const vec3 *c) {
+        return representative_point(view, alpha, c);
+    });
+    print("montecarlo-64",
+          [](const vec3 &view, Real alpha, Real /*index*/, const vec3 *c) { return sampled(view, alpha, c); });
+}
+
 } // namespace
 } // namespace sfumato::SFUMATO_ISA
 
-int main() {
+int main(int count, char ** /*arguments*/) {
     using namespace sfumato::SFUMATO_ISA;
     const Inputs inputs(256);
     const Table table;
+    if (count > 1) {
+        print_methods(inputs, table);
+        return 0;
+    }
     struct Case {
         const char *name;
         float lowest; // of a corner's height; the highest is 0.9 more
