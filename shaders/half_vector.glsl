@@ -178,15 +178,15 @@ float from_root(float s, float m, float w)
 
 float ridge_sum(float a0, float a1, float a2, float a3, float sum)
 {
-  float half3 = 0.5f * a3, gamma = 0.5f * (a2 - half3 * half3), slope = a1 - a3 * gamma;
-  float wide2 = max(4.0f * gamma - half3 * half3, TINY), by_wide2 = reciprocal(wide2);
+  float half_a3 = 0.5f * a3, gamma = 0.5f * (a2 - half_a3 * half_a3), slope = a1 - a3 * gamma;
+  float wide2 = max(4.0f * gamma - half_a3 * half_a3, TINY), by_wide2 = reciprocal(wide2);
   float even = (slope * a3 - 4.0f * (a0 - gamma * gamma)) * by_wide2 * by_wide2;
   float part = slope * by_wide2, odd = part * part * by_wide2;
   float x = even + odd;
   x = even + odd + x * (even + 2.0f * odd);
   x = even + odd + x * (even + 2.0f * odd + x * (even + 3.0f * odd));
   float apart2 = x * x + 4.0f * odd * (1.0f + x + x * x);
-  return pick(apart2 < ONE_RIDGE * ONE_RIDGE, 0.5f * (half3 * half3 + wide2 * (1.0f - x + sqrt(apart2))), sum);
+  return pick(apart2 < ONE_RIDGE * ONE_RIDGE, 0.5f * (half_a3 * half_a3 + wide2 * (1.0f - x + sqrt(apart2))), sum);
 }
 
 Peaks peaks_of(HalfArc arc)

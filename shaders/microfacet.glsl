@@ -391,7 +391,7 @@ Reflection reflected(Microfacets m, float size2, Mean mean, float flux)
   float fresnel = min(max((mean.fresnel + at_apex * mean.at_apex.fresnel) * k, 0.0f), plain);
   Reflection light;
   // Energy: a surface lit by radiance 1 from everywhere sends no more.
-  light.plain = if_finite(m.size2 + size2, min(amount * plain, 1.0f));
-  light.fresnel = min(if_finite(m.size2 + size2, amount * fresnel), light.plain);
+  light.plain = if_finite(m.size2 + size2, pick(amount > 0.0f, min(amount * plain, 1.0f), 0.0f));
+  light.fresnel = min(if_finite(m.size2 + size2, pick(amount > 0.0f, amount * fresnel, 0.0f)), light.plain);
   return light;
 }

@@ -166,7 +166,8 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
     flux = flux + arcs[2].flux;
     turned = turned + lobe_turns(m, arcs[2]);
   }
-  flux = flux * pick(cos_end < 0.9999995f, 1.0f, 0.0f) * pick(radius > 0.0f, 1.0f, 0.0f);
+  // Below the horizon the outline has no length, and whatever came of that counts for nothing.
+  flux = pick(cos_end < 0.9999995f, pick(radius > 0.0f, flux, 0.0f), 0.0f);
   Mean mean = mean_about(m, round_middle(m, axis, sine * sine, turned, flux), flux);
   mean = with_arc(with_arc(mean, m, arcs[0]), m, arcs[1]);
   if (is_cut) {
@@ -310,7 +311,7 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
     flux = flux + arcs[ELLIPSE_ARCS].flux;
     middle = middle + lobe_turns(m, arcs[ELLIPSE_ARCS]);
   }
-  flux = flux * pick(cos_end < 0.9999995f, 1.0f, 0.0f);
+  flux = pick(cos_end < 0.9999995f, flux, 0.0f);
   float u2 = dot(u, u), v2 = dot(v, v), c2 = dot(centre, centre);
   Mean mean = mean_about(m, round_middle(m, unit(cone.centre), (u2 + v2) / max(c2, TINY), middle, flux), flux);
   for (int n = 0; n < ELLIPSE_ARCS; ++n) {
@@ -319,7 +320,7 @@ Reflection microfacet_ellipse(Microfacets m, vec3 centre, vec3 u, vec3 v)
   if (is_cut) {
     mean = with_arc(mean, m, arcs[ELLIPSE_ARCS]);
   }
-  flux = flux * pick(min(u2, v2) > 0.0f, 1.0f, 0.0f);
+  flux = pick(min(u2, v2) > 0.0f, flux, 0.0f);
   return reflected(m, c2 + u2 + v2, mean, flux);
 }
 

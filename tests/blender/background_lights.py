@@ -196,6 +196,8 @@ def test_an_emitting_cube_lights_the_floor_as_in_cycles() -> None:
     """Where a glowing face's own plane cuts the floor in view, sampling that face as a light makes Cycles 3.4 no judge: it
     loses up to 3 % of its light. By unidirectional paths alone, 24,000 of them a pixel, its mean is ours to 0.004 %.
     """
+    if bpy.app.version >= (4, 0, 0):
+        raise harness.Skip("measured against the Cycles of Blender 3.4 only")
     emitter(cube).active_material.cycles.sample_as_light = False
     ours, theirs = pictures.render(SIZE)[..., 0], in_cycles(1500)
     assert abs(ours.mean() / theirs.mean() - 1.0) < 0.01, (ours.mean(), theirs.mean())
