@@ -9,7 +9,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import compat, core, log, props, scene, viewport
+from . import compat, core, log, props
+from .export import scene
+from .view import viewport
 
 
 class SfumatoEngine(bpy.types.RenderEngine):

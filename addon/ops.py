@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from . import smoke
+from .export import smoke
 
 THINNEST = 0.001  # the smallest thickness that a domain can have in the viewport
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import engine, log, props, ui, viewport
+from . import engine, log, props, ui
+from .view import viewport
 
 
 def register() -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(ROOT / "tests" / "bench"))
 from bench_in_blender import pixels  # noqa: E402
 from light_cases import put_lights, small_picture  # noqa: E402
 

@@ -17,6 +17,9 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+ROOM = Path(__file__).resolve().parent / "bench"
+sys.path.insert(0, str(ROOM))
+
 from bench_rows import CostRow, LightRow, Row
 from blender_run import ROOT, run_script
 
@@ -45,7 +48,7 @@ def against_cycles() -> tuple[list[Row], list[str]]:
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "rows.json"
         golden = ROOT / "tests" / "goldens" / "plume_cycles.exr"
-        script = ROOT / "tests" / "bench_in_blender.py"
+        script = ROOM / "bench_in_blender.py"
         run_script(ROOT / "blend_samples" / "plume.blend", script, str(golden), str(answer), *methods)
         rows: list[Row] = json.loads(answer.read_text(encoding="utf-8"))
     sfumato, *cycles = rows
@@ -60,7 +63,7 @@ def lights() -> tuple[list[Row], list[str]]:
     methods += [f"cycles-{samples}" for samples in (4, 16, 64)]
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "rows.json"
-        script = ROOT / "tests" / "bench_lights_in_blender.py"
+        script = ROOM / "bench_lights_in_blender.py"
         goldens = ROOT / "tests" / "goldens" / "lights"
         run_script(ROOT / "blend_samples" / "plume.blend", script, str(goldens), str(answer), *methods)
         rows: list[LightRow] = json.loads(answer.read_text(encoding="utf-8"))

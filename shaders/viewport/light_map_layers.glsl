@@ -2,7 +2,7 @@
 // Harmonics as the layers of a light map: layer j holds a_2j, b_2j, a_2j+1, b_2j+1. For k = 0 the series' own formulas
 // give a_0 and b_0 = 0, so that no harmonic is a special case.
 //
-// A pass writes as many layers as there are colour targets; viewport_light_map.py defines
+// A pass writes as many layers as there are colour targets; addon/gpu/light_maps.py defines
 //   FIRST          its first harmonic, an even number
 //   LAYERS         its number of layers
 //   HARMONICS      the map's last harmonic: beyond it a layer holds zeros

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The coefficients of one texel of a light map, by a march along its light ray: eqs 1-2 of Jansen and Bavoil (2010) for
-// slabs of constant density. The same slices, weights and leaps as native/light_map_lanes.cpp.
+// slabs of constant density. The same slices, weights and leaps as native/maps/light_map_lanes.cpp.
 //
 // grid_x, grid_y, grid_z are rows of (column, row, slice) -> the grid's cells; texels and slices have their centres at
 // half numbers. `length_of_slice` is in metres. Textures: density in red; clearance as in smoke_fragment.glsl.

@@ -21,7 +21,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import harness  # noqa: E402
 from area_light_text import NUMBERS, Lights, Picture  # noqa: E402
-from sfumato import viewport_gpu  # noqa: E402
+from sfumato.gpu import shader as gpu_shader  # noqa: E402
 
 SIZE = (640, 360)
 REPEATS = 4
@@ -79,8 +79,8 @@ def methods() -> dict[str, Lights]:
     rows = table.transpose(1, 0, 2)  # roughness goes across
     amounts = np.stack([rows[..., 4], 0.1 * rows[..., 4], 0 * rows[..., 4], 0 * rows[..., 4]], -1)
     textures = {
-        "matrices": viewport_gpu.texture((64, 64), "RGBA", rows[..., :4]),
-        "amounts": viewport_gpu.texture((64, 64), "RGBA", amounts),
+        "matrices": gpu_shader.texture((64, 64), "RGBA", rows[..., :4]),
+        "amounts": gpu_shader.texture((64, 64), "RGBA", amounts),
     }
     return {
         "nothing": Lights("nothing", "light.plain = dot(a + b + c + d, view) + alpha.x + alpha.y;"),

@@ -10,11 +10,11 @@ from unittest import mock
 
 import harness
 import numpy as np
-from sfumato import viewport_gpu
+from sfumato.gpu import shader as gpu_shader
 
 # Named in one place, in the order in which they build on each other.
-LIST = (harness.ROOT / "native" / "glsl_area_light.inc").read_text(encoding="utf-8")
-FILES = re.findall(r'#include "../shaders/(.+)"', LIST)
+LIST = (harness.ROOT / "native" / "text" / "glsl_area_light.inc").read_text(encoding="utf-8")
+FILES = re.findall(r'#include "../../shaders/(.+)"', LIST)
 NUMBERS = 20  # of a light, five texels: 12 of its shape, 3 of the view or the normal, 5 more
 
 MAIN = """
@@ -74,8 +74,8 @@ class Lights:
 
     def __init__(self, name: str, statement: str, functions: str = "", textures: dict[str, Any] | None = None) -> None:
         self._textures = textures or {}
-        self._shaders = viewport_gpu.Shaders()
-        original = viewport_gpu.shader_text
+        self._shaders = gpu_shader.Shaders()
+        original = gpu_shader.shader_text
 
         def declare(info: Any) -> None:
             info.push_constant("INT", "repeats")
@@ -87,16 +87,16 @@ class Lights:
         def text(file: str) -> str:
             return functions + MAIN.replace("EVALUATE", statement) if file == "main" else original(file)
 
-        with mock.patch.object(viewport_gpu, "shader_text", text):
-            self._shader = viewport_gpu.compile_shader(name, declare, [*FILES, "main"])
+        with mock.patch.object(gpu_shader, "shader_text", text):
+            self._shader = gpu_shader.compile_shader(name, declare, [*FILES, "main"])
 
     def upload(self, numbers: np.ndarray) -> Any:
         height, width, _ = numbers.shape
         layers = numbers.reshape(height, width, NUMBERS // 4, 4).transpose(2, 0, 1, 3)
-        return viewport_gpu.texture((width, height), "RGBA", layers, layers=NUMBERS // 4)
+        return gpu_shader.texture((width, height), "RGBA", layers, layers=NUMBERS // 4)
 
     def draw(self, numbers: Any, picture: Picture, repeats: int = 1) -> None:
-        with viewport_gpu.plain_state(), picture.buffer.bind():
+        with gpu_shader.plain_state(), picture.buffer.bind():
             self._shader.bind()
             self._shader.uniform_int("repeats", repeats)
             self._shader.uniform_sampler("numbers", numbers)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tests inside Blender: a file of `test_*` functions that ends with `harness.main()`.
 
-tests/run starts Blender once for each file: background_*.py without a window, interface_*.py with the real interface on
+tests/run starts Blender once for each file: background/*.py without a window, interface/*.py with the real interface on
 a virtual screen. By hand, after tests/run has built the add-on and set Blender's folders, one file is
 
     blender --factory-startup --addons sfumato --python-use-system-env --python FILE      (PYTHONPATH=tests/blender)

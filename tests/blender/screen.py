@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 import numpy as np
 from numpy.typing import NDArray
-from sfumato import refinement
+from sfumato.view import refinement
 
 Image = NDArray[np.float32]
 

@@ -24,7 +24,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import harness  # noqa: E402
 import sfumato  # noqa: E402
-from sfumato import scene, viewport_gpu, viewport_light_map  # noqa: E402
+from sfumato.export import scene
+from sfumato.gpu import light_maps, shader as gpu_shader  # noqa: E402
 
 ROUNDS = 7
 SIZE = (512, 512)
@@ -61,15 +62,15 @@ def plume() -> tuple[Any, Any, Any]:
     return points, 0.01 + 0.04 * height, 0.3 - 0.25 * height
 
 
-def opacity_shadow_maps() -> viewport_light_map.LightMaps:
+def opacity_shadow_maps() -> light_maps.LightMaps:
     """Builders whose splat fills slices."""
-    original = viewport_gpu.shader_text
+    original = gpu_shader.shader_text
 
     def text(name: str) -> str:
         return OPACITY_SHADOW_MAP if name == "viewport/splat_vertex.glsl" else original(name)
 
-    maps = viewport_light_map.LightMaps()
-    with mock.patch.object(viewport_gpu, "shader_text", text):
+    maps = light_maps.LightMaps()
+    with mock.patch.object(gpu_shader, "shader_text", text):
         for count in COUNTS:
             maps.splat([(0.5, 0.5, 0.5)], 0.1, 0.5, np.eye(4), (4, 4), count)
     return maps
@@ -78,7 +79,7 @@ def opacity_shadow_maps() -> viewport_light_map.LightMaps:
 def shortest(rivals: dict[str, Callable[[], Any]]) -> dict[str, float]:
     """Seconds of each."""
     best = dict.fromkeys(rivals, np.inf)
-    reader = viewport_light_map.LightMaps()
+    reader = light_maps.LightMaps()
     for _ in range(ROUNDS):
         for name, build in rivals.items():
             started = time.perf_counter()
@@ -89,7 +90,7 @@ def shortest(rivals: dict[str, Callable[[], Any]]) -> dict[str, float]:
 
 def splats() -> None:
     points, radius, alpha = plume()
-    fourier, slices = viewport_light_map.LightMaps(), opacity_shadow_maps()
+    fourier, slices = light_maps.LightMaps(), opacity_shadow_maps()
     texels = np.pi * np.sum((radius * SIZE[0]) ** 2) / 1e6
     print(f"\n{len(points)} particles into {SIZE[0]} x {SIZE[1]} texels, {texels:.1f} M fragments:")
     for count in COUNTS:
@@ -105,19 +106,19 @@ def splats() -> None:
 def marches() -> None:
     harness.open_plume(25)
     exported = scene.export(bpy.context.evaluated_depsgraph_get()).scene
-    maps = viewport_light_map.LightMaps()
+    maps = light_maps.LightMaps()
     print("\nThe sample's plume:")
     for count in (7, 31):
         frame = sfumato.Frame(exported, coefficients=count)
         medium, light_map = frame.media[0], frame.light_map()
         smoke, clearance, expected = medium.density, medium.clearance, light_map.coefficients
-        density = viewport_gpu.texture(smoke.shape[::-1], "R", smoke)
-        bricks = viewport_gpu.texture(clearance.shape[::-1], "R", clearance)
+        density = gpu_shader.texture(smoke.shape[::-1], "R", smoke)
+        bricks = gpu_shader.texture(clearance.shape[::-1], "R", clearance)
         size = expected.shape[1], expected.shape[0]
 
         def upload() -> Any:
-            layers = viewport_light_map.light_map_layers(expected)
-            return viewport_gpu.texture(layers.shape[2:0:-1], "RGBA", layers, layers=layers.shape[0])
+            layers = light_maps.light_map_layers(expected)
+            return gpu_shader.texture(layers.shape[2:0:-1], "RGBA", layers, layers=layers.shape[0])
 
         times = shortest({
             "march": lambda: maps.march(density, bricks, medium.grid_to_world, light_map.world_to_light, size, count),

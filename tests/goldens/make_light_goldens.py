@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent)]
+sys.path[:0] = [str(HERE), str(HERE.parent / "bench")]
 from light_cases import CASES, FRAME, RESOLUTION, put_lights, small_picture  # noqa: E402
 from make_plume_golden import render, save  # noqa: E402
 

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's lights in physical units, as Cycles takes them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import compat
+
+
+def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list[str]) -> bool:
+    """Add a light object to a native scene. False if it gives no light. Raises ValueError for one that cannot be."""
+    light = thing.data
+    colour = compat.light_colour(light)
+    if not (colour > 0.0).any():
+        return False
+    colour = np.maximum(colour, 0.0)
+    forwards = -matrix[:3, 2]
+    if light.type == "SUN":
+        scene.add_sun(forwards, colour * compat.size_factor(light), min(float(light.angle), 3.1415))
+    elif light.type == "AREA":
+        add_area(scene, light, matrix, colour)
+    else:
+        cone = {"cone": float(light.spot_size), "blend": float(light.spot_blend)} if light.type == "SPOT" else {}
+        # Watts over all directions, though a spot sends them into some.
+        intensity, habits = colour * compat.size_factor(light) / (4.0 * math.pi), compat.point_light_habits(light)
+        scene.add_point(matrix[:3, 3], intensity, float(light.shadow_soft_size), forwards, **cone, **habits)
+    return True
+
+
+def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArray[np.float64]) -> None:
+    """An area light of any of the four shapes."""
+    ellipse = light.shape in {"DISK", "ELLIPSE"}
+    size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+    across, up = matrix[:3, 0] * 0.5 * light.size, matrix[:3, 1] * 0.5 * size_y
+    area = (math.pi if ellipse else 4.0) * float(np.linalg.norm(across) * np.linalg.norm(up))
+    if area < 1e-12:
+        raise ValueError(f"its size {light.size:g} x {size_y:g}, scaled, leaves it no area")
+    # A grid before it makes it as much brighter as keeps its power.
+    radiance = colour * compat.size_factor(light, area) * compat.radiance_of_watts(area)
+    spread = min(float(light.spread), math.pi)
+    if spread < math.pi - 1e-4:
+        tangent = math.tan(0.5 * spread)
+        radiance = radiance * (tangent / (tangent - 0.5 * spread))
+    scene.add_area(matrix[:3, 3], across, up, radiance, ellipse, spread)
+
+
+MOST_POLYGONS = 16
+
+
+def add_emitters(
+    scene: Any, corners: NDArray[np.float64], radiance: NDArray[np.float64], name: str, notices: list[str]
+) -> int:
+    """Light from triangles (n, 3, 3) that emit (n, 3), on both sides. Returns how many lights they make.
+
+    What has too many faces is seen to glow, but lights nothing; a notice says so.
+    """
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    glowing = radiance.any(axis=1) & (area > 1e-12)
+    few = int(glowing.sum()) <= 2 * MOST_POLYGONS
+    polygons = polygons_of(corners[glowing], radiance[glowing]) if few else []
+    if not few or len(polygons) > MOST_POLYGONS:
+        notices.append(f"{name}: it emits, but lights nothing: more than {MOST_POLYGONS} of its faces do")
+        return 0
+    for polygon, colour in polygons:
+        scene.add_polygon(polygon, colour)
+    return len(polygons)
+
+
+def polygons_of(
+    corners: NDArray[np.float64], radiance: NDArray[np.float64]
+) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Triangles (n, 3, 3) and what they emit (n, 3), two in a row as one where they make a flat convex face of four.
+
+    Blender makes such two of each face with four corners, and a fan of triangles of one with more.
+    """
+    polygons: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+    mergeable = False  # whether the last polygon is a triangle
+    for triangle, colour in zip(corners, radiance):
+        quad = quad_of(polygons[-1][0], triangle) if mergeable and (polygons[-1][1] == colour).all() else None
+        if quad is None:
+            polygons.append((triangle, colour))
+        else:
+            polygons[-1] = quad, colour
+        mergeable = quad is None
+    return polygons
+
+
+def quad_of(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """The flat convex quadrilateral (4, 3) that two triangles (3, 3) make, in turn, or None."""
+    own = [i for i in range(3) if not (b == a[i]).all(axis=1).any()]
+    others = [i for i in range(3) if not (a == b[i]).all(axis=1).any()]
+    if len(own) != 1 or len(others) != 1:
+        return None
+    first = own[0]
+    quad = np.stack([a[first], a[(first + 1) % 3], b[others[0]], a[(first + 2) % 3]])
+    edges = np.roll(quad, -1, axis=0) - quad
+    turns = np.cross(edges, np.roll(edges, -1, axis=0))
+    normal = turns.sum(axis=0)
+    normal /= max(float(np.linalg.norm(normal)), 1e-30)
+    lengths = np.linalg.norm(edges, axis=1)
+    flat = np.abs((quad - quad[0]) @ normal).max() < 1e-4 * lengths.max()
+    convex = (turns @ normal > 1e-6 * lengths * np.roll(lengths, -1)).all()
+    return quad if flat and convex else None

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smoke domains as density grids with the cross-sections of their material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import core
+from . import materials
+
+
+@dataclass
+class Medium:
+    """A density grid (z, y, x) and what its material makes of it, per metre and unit density."""
+
+    density: NDArray[np.float32]
+    grid_to_world: NDArray[np.float64]
+    scattering: NDArray[np.float64]
+    absorption: NDArray[np.float64]
+    anisotropy: float
+
+
+def domain_settings(thing: Any) -> Any | None:
+    """The settings of a gas domain that is switched on, or None."""
+    for modifier in thing.modifiers:
+        if modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN" and modifier.domain_settings is not None:
+            if modifier.domain_settings.domain_type == "GAS":
+                return modifier.domain_settings
+    return None
+
+
+def medium_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: list[str]) -> Medium | None:
+    """The smoke of an object at this frame, None if it is not smoke. Raises ValueError for smoke that is not there."""
+    settings = None if thing.type == "VOLUME" else domain_settings(thing)
+    if thing.type != "VOLUME" and settings is None:
+        return None
+    room = abs(float(np.linalg.det(matrix[:3, :3])))
+    if room < 1e-12:
+        raise ValueError(f"its scale {np.linalg.norm(matrix[:3, :3], axis=0).tolist()} leaves the smoke no room")
+    if settings is None:
+        density, grid_to_object = volume_grid(thing.data)
+    else:
+        density, grid_to_object = domain_grid(settings, depsgraph.scene.frame_current)
+    if not np.isfinite(density).all():
+        raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
+    scattering, absorption, anisotropy = materials.cross_sections(thing, notices)
+    if thing.type == "VOLUME" and thing.data.render.space == "OBJECT":
+        # A volume's density is per unit of the object's own space, a domain's per metre.
+        scale = room ** (1.0 / 3.0)
+        scattering, absorption = scattering / scale, absorption / scale
+    return Medium(density, matrix @ grid_to_object, scattering, absorption, anisotropy)
+
+
+def domain_grid(settings: Any, frame: int) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Density (z, y, x) of a Mantaflow domain, and the matrix from its cells to the object."""
+    missing = f"no smoke at frame {frame}: bake the domain, or find its cache, '{settings.cache_directory}'"
+    cells = len(settings.density_grid)
+    if cells == 0:
+        raise ValueError(missing)
+    density = np.empty(cells, dtype=np.float32)
+    settings.density_grid.foreach_get(density)
+    resolution = np.array(settings.domain_resolution, dtype=np.int64)
+    base = int(resolution.prod())
+    # With noise the grid is finer than the domain says, by a whole factor.
+    finer = round((cells / base) ** (1.0 / 3.0)) if base else 0
+    if finer < 1 or base * finer**3 != cells:
+        raise ValueError(f"its grid of {cells} cells does not fit its resolution {tuple(resolution)}")
+    if not density.any():
+        raise ValueError(missing)
+    grid_to_object = np.diag([*(np.array(settings.cell_size) / finer), 1.0])
+    grid_to_object[:3, 3] = settings.start_point
+    nx, ny, nz = resolution * finer
+    return density.reshape(nz, ny, nx), grid_to_object
+
+
+def volume_grid(volume: Any) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Density (z, y, x) of a Volume object's file at this frame, and the matrix from its cells to the object."""
+    if not volume.filepath:
+        raise ValueError("no file: choose an OpenVDB file")
+    volume.grids.load()
+    path = volume.grids.frame_filepath or bpy.path.abspath(volume.filepath, library=volume.library)
+    density, grid_to_object = core.module().read_volume(path)
+    if density.size == 0:
+        raise ValueError(f"'{path}' holds no smoke")
+    # To OpenVDB a sample is a point of the lattice. Cycles takes it for the centre of a cell, half a cell further on:
+    # that is where Mantaflow, which writes such files, means it to be.
+    grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, 0.5)
+    return density, grid_to_object

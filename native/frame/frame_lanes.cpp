@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One packet of camera rays: the smoke before the first surface, and the two together.
+#include "frame/surfaces_lanes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+struct Smoke {
+    Real transmittance[3];
+    Real radiance[3];
+};
+
+// A ray in the grid of one medium.
+struct Crossing {
+    vec3 origin, direction;
+    Interval inside;
+};
+
+Crossing crossing_of(const MediumView &medium, const Ray &ray, Real distance) {
+    Crossing crossing;
+    crossing.origin = transform_point(medium.world_to_grid, ray.origin);
+    crossing.direction = transform_vector(medium.world_to_grid, ray.direction);
+    const vec3 size{Real(static_cast<float>(medium.density.nx)), Real(static_cast<float>(medium.density.ny)),
+                    Real(static_cast<float>(medium.density.nz))};
+    crossing.inside = clip_to_box({Real(0.0F), distance}, crossing.origin, crossing.direction, size);
+    return crossing;
+}
+
+// What one step through one medium scatters to the eye from all lights.
+template <int Colours>
+void scatter(const FrameView &frame, const MediumView &medium, const Cell &cell, const Ray &ray, Real t,
+             const Real *scattering, const Real *tau, const Real *tau_eye, Smoke &smoke) {
+    const GridView light_grid = medium.light;
+    const Cell light_cell{cell.first * Index(light_grid.channels), cell.x, cell.y, cell.z};
+    const vec3 world = ray.origin + ray.direction * t;
+    std::ptrdiff_t skip = 0;
+    for (const LightView &light : frame.lights) {
+        GridView volume = light_grid;
+        volume.values += skip;
+        skip += medium.next_light;
+        Real incoming = sample(volume, light_cell, Colours);
+        Real cosine;
+        if (light.kind == Light::Kind::SUN) {
+            cosine = dot(broadcast(light.direction), ray.direction);
+        } else {
+            const vec3 from_light = world - broadcast(light.position);
+            incoming = incoming * falloff_of(light, from_light);
+            cosine = dot(from_light, ray.direction) / sqrt(max(dot(from_light, from_light), 1e-20F));
+        }
+        incoming = incoming * henyey_greenstein(-cosine, medium.anisotropy);
+        for (int c = 0; c < Colours; ++c) {
+            const Real sent =
+                incoming * scattered_by_step(scattering[c], tau[c], tau_eye[c], sample(volume, light_cell, c));
+            if (Colours == 3) {
+                smoke.radiance[c] = smoke.radiance[c] + sent * light.strength[c];
+                continue;
+            }
+            for (int rgb = 0; rgb < 3; ++rgb) {
+                // Grey smoke may still scatter in colours, so the one march takes it for white until here.
+                smoke.radiance[rgb] = smoke.radiance[rgb] + sent * (light.strength[rgb] * medium.scattering[rgb]);
+            }
+        }
+    }
+}
+
+template <int Colours>
+Smoke march(const FrameView &frame, const Ray &ray, Real distance, Mask active) {
+    Crossing crossings[MAX_MEDIA];
+    Real near_t = 1e30F, far_t = 0.0F, step_length = 1e30F;
+    const std::size_t media = frame.media.size();
+    for (std::size_t m = 0; m < media; ++m) {
+        const Crossing &crossing = crossings[m] = crossing_of(frame.media[m], ray, distance);
+        const Mask met = crossing.inside.near_t < crossing.inside.far_t;
+        const Real length = frame.media[m].step_length / sqrt(dot(crossing.direction, crossing.direction));
+        near_t = pick(met, min(near_t, crossing.inside.near_t), near_t);
+        far_t = pick(met, max(far_t, crossing.inside.far_t), far_t);
+        step_length = pick(met, min(step_length, length), step_length);
+    }
+    const Real stretch = max(pick(active, far_t - near_t, 0.0F), 0.0F);
+    Smoke smoke{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    Real depth[Colours]; // optical, towards the eye
+    for (Real &d : depth) {
+        d = 0.0F;
+    }
+    if (xsimd::any(stretch > 0.0F)) {
+        const Real steps = pick(stretch > 0.0F, march_steps(stretch, step_length), 0.0F);
+        const Real step = stretch / max(steps, 1.0F);
+        const Real per_step = 1.0F / max(step, 1e-30F);
+        const float most = highest(steps);
+        for (float k = 0.0F; k < most;) {
+            const Real t = near_t + (k + 0.5F) * step;
+            const Mask marching = Real(k) < steps;
+            Real tau[Colours];
+            for (Real &value : tau) {
+                value = 0.0F;
+            }
+            Cell cells[MAX_MEDIA];
+            Real amounts[MAX_MEDIA]; // of density times length
+            bool met[MAX_MEDIA];
+            float leap = 1e6F;
+            bool any_met = false;
+            for (std::size_t m = 0; m < media; ++m) {
+                const MediumView &medium = frame.media[m];
+                const Crossing &crossing = crossings[m];
+                const vec3 p = crossing.origin + crossing.direction * t;
+                const vec3 &d = crossing.direction;
+                const Mask inside = marching & (t >= crossing.inside.near_t) & (t <= crossing.inside.far_t);
+                // Steps that surely meet nothing: empty bricks inside, the way up to the box before it.
+                const Real speed = max(max(abs(d.x), abs(d.y)), abs(d.z)) * step; // cells a step
+                const Real ahead =
+                    pick(marching & (t < crossing.inside.near_t), (crossing.inside.near_t - t) * per_step - 1.0F, 1e6F);
+                const Real clear = clearance_at(medium.clearance, p);
+                met[m] = xsimd::any(inside & (clear < 0.0F));
+                any_met = any_met || met[m];
+                if (!met[m]) {
+                    leap = std::min(leap, lowest(pick(inside, clear / max(speed, 1e-6F), ahead)));
+                    continue;
+                }
+                cells[m] = locate(medium.density, p);
+                amounts[m] = pick(inside, sample(medium.density, cells[m], 0), 0.0F) * step;
+                for (int c = 0; c < Colours; ++c) {
+                    tau[c] = tau[c] + amounts[m] * medium.extinction[c];
+                }
+            }
+            if (!any_met) {
+                k += 1.0F + std::floor(std::max(leap, 0.0F));
+                continue;
+            }
+            for (std::size_t m = 0; m < media; ++m) {
+                if (!met[m]) {
+                    continue;
+                }
+                Real scattering[Colours];
+                for (int c = 0; c < Colours; ++c) {
+                    scattering[c] = Colours == 1 ? amounts[m] : amounts[m] * frame.media[m].scattering[c];
+                }
+                scatter<Colours>(frame, frame.media[m], cells[m], ray, t, scattering, tau, depth, smoke);
+            }
+            for (int c = 0; c < Colours; ++c) {
+                depth[c] = depth[c] + tau[c];
+            }
+            k += 1.0F;
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        smoke.transmittance[c] = transmittance_of(depth[Colours == 1 ? 0 : c]);
+    }
+    return smoke;
+}
+
+void store_plain(const Real rgb[3], Mask hit, Traced &out) {
+    for (int c = 0; c < 3; ++c) {
+        rgb[c].store_aligned(out.radiance[c]);
+    }
+    pick(hit, 1.0F, 0.0F).store_aligned(out.alpha);
+}
+
+} // namespace
+
+void trace(const FrameView &frame, Output output, const Packet &packet, Traced &out) {
+    const Mask active = Real::load_aligned(packet.active) > 0.0F;
+    const Ray ray = ray_through(frame, Real::load_aligned(packet.u), Real::load_aligned(packet.v));
+    const Surface surface = first_surface(frame.surfaces, ray, active);
+    surface.distance.store_aligned(out.distance);
+
+    const bool picture = output == Output::PICTURE || output == Output::SURFACES;
+    Real shadowed[3], open[3]; // with the shadow of the smoke and without
+    for (int i = 0; i < 3; ++i) {
+        shadowed[i] = open[i] = picture ? frame.background[i] : 0.0F;
+    }
+    Real unshadowed = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
+    if (xsimd::any(surface.hit)) {
+        const Reflected light = reflected(frame, output, packet, ray, surface);
+        for (int i = 0; i < 3; ++i) {
+            shadowed[i] = pick(surface.hit, light.shadowed[i], shadowed[i]);
+            open[i] = pick(surface.hit, light.open[i], open[i]);
+        }
+        unshadowed = pick(surface.hit, light.unshadowed, unshadowed);
+    }
+    const Real *const seen = picture ? open : shadowed;
+    const Real brightness = (seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F);
+    brightness.store_aligned(out.surface);
+    unshadowed.store_aligned(out.unshadowed);
+    if (output != Output::PICTURE || frame.media.empty()) {
+        store_plain(shadowed, surface.hit, out);
+        Real(1.0F).store_aligned(out.seen);
+        return;
+    }
+    const Smoke smoke =
+        frame.grey ? march<1>(frame, ray, surface.distance, active) : march<3>(frame, ray, surface.distance, active);
+    Real through = 0.0F, left = 0.0F;
+    for (int i = 0; i < 3; ++i) {
+        const Real behind = shadowed[i] * smoke.transmittance[i];
+        (behind + smoke.radiance[i]).store_aligned(out.radiance[i]);
+        left = left + behind;
+        through = through + smoke.transmittance[i] * (1.0F / 3.0F);
+    }
+    pick(surface.hit, 1.0F, 1.0F - through).store_aligned(out.alpha);
+    (left * (1.0F / 3.0F) / max(brightness, 1e-20F)).store_aligned(out.seen);
+}
+
+} // namespace sfumato::SFUMATO_ISA

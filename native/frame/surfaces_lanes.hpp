@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a packet of rays sees of the scene's surfaces: the first of them, and the light on it past solids and smoke.
+#pragma once
+
+#include "lights/lights_lanes.hpp"
+#include "lights/shading.hpp"
+#include "maps/sampling.hpp"
+#include "solids/embree.hpp"
+#include "text/lanes.hpp"
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+struct Surface {
+    Mask hit;
+    Real distance; // or the ray's reach
+    vec3 normal;   // shading normal, towards the eye
+    vec3 geometric_normal;
+    vec3 albedo;
+    bool glossy = false; // whether any lane is
+    Plane tangents;      // x the direction of alpha_x; set where glossy
+    vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
+    Real edge, alpha_x, alpha_y, apart, index;
+    vec3 emission;
+    Real diffuse_roughness;
+};
+
+// Embree's packets want -1 for lanes that trace and 0 for those that rest.
+inline void valid_lanes(Mask mask, int *valid) {
+    alignas(64) float chosen[LANES];
+    pick(mask, 1.0F, 0.0F).store_aligned(chosen);
+    for (int lane = 0; lane < LANES; ++lane) {
+        valid[lane] = chosen[lane] != 0.0F ? -1 : 0;
+    }
+}
+
+template <typename R>
+void set_rays(R &rays, const vec3 &origin, const vec3 &direction, Real near_t, Real far_t) {
+    origin.x.store_aligned(rays.org_x);
+    origin.y.store_aligned(rays.org_y);
+    origin.z.store_aligned(rays.org_z);
+    direction.x.store_aligned(rays.dir_x);
+    direction.y.store_aligned(rays.dir_y);
+    direction.z.store_aligned(rays.dir_z);
+    near_t.store_aligned(rays.tnear);
+    far_t.store_aligned(rays.tfar);
+    for (int lane = 0; lane < LANES; ++lane) {
+        rays.mask[lane] = 0xFFFFFFFFU;
+        rays.time[lane] = 0.0F;
+        rays.id[lane] = 0;
+        rays.flags[lane] = 0;
+    }
+}
+
+Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
+    Surface surface;
+    surface.hit = Mask(false);
+    surface.distance = ray.reach;
+    if (view.scene == nullptr) {
+        return surface;
+    }
+    typename Rays<LANES>::RayHit rays;
+    set_rays(rays.ray, ray.origin, ray.direction, 0.0F, ray.reach);
+    for (int lane = 0; lane < LANES; ++lane) {
+        rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+        rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    alignas(64) int valid[LANES];
+    valid_lanes(active, valid);
+    Rays<LANES>::intersect(valid, view.scene, rays);
+
+    alignas(64) float hits[LANES];
+    alignas(64) std::int32_t triangles[LANES];
+    bool any = false;
+    for (int lane = 0; lane < LANES; ++lane) {
+        const bool hit = valid[lane] != 0 && rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
+        hits[lane] = hit ? 1.0F : 0.0F;
+        triangles[lane] = hit ? static_cast<std::int32_t>(rays.hit.primID[lane]) : 0;
+        any = any || hit;
+    }
+    if (!any) {
+        return surface;
+    }
+    surface.hit = Real::load_aligned(hits) > 0.0F;
+    surface.distance = pick(surface.hit, Real::load_aligned(rays.ray.tfar), ray.reach);
+
+    const Index triangle = Index::load_aligned(triangles);
+    const Real u = Real::load_aligned(rays.hit.u), v = Real::load_aligned(rays.hit.v);
+    const Index corners = triangle * Index(9);
+    const auto between_corners = [&](const float *values) {
+        const auto along = [&](int axis) {
+            return (1.0F - u - v) * gather(values + axis, corners) + u * gather(values + 3 + axis, corners) +
+                   v * gather(values + 6 + axis, corners);
+        };
+        return vec3(along(0), along(1), along(2));
+    };
+    // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by
+    // its own angle to the ray would flip it at the rim of smooth objects.
+    surface.normal = normalised(between_corners(view.corner_normals));
+    const vec3 face = normalised(
+        {Real::load_aligned(rays.hit.Ng_x), Real::load_aligned(rays.hit.Ng_y), Real::load_aligned(rays.hit.Ng_z)});
+    surface.geometric_normal = face * pick(dot(face, surface.normal) < 0.0F, -1.0F, 1.0F);
+    const Real side = pick(dot(surface.geometric_normal, ray.direction) > 0.0F, -1.0F, 1.0F);
+    surface.normal = surface.normal * side;
+    surface.geometric_normal = surface.geometric_normal * side;
+    alignas(64) std::int32_t materials[LANES];
+    for (int lane = 0; lane < LANES; ++lane) {
+        materials[lane] = MATERIAL_FLOATS * view.material[triangles[lane]];
+    }
+    const Index material = Index::load_aligned(materials);
+    const auto property = [&](int number) { return gather(view.properties + number, material); };
+    surface.albedo = {property(0), property(1), property(2)};
+    surface.reflectance = {property(3), property(4), property(5)};
+    surface.edge = property(6);
+    surface.alpha_x = property(7);
+    surface.alpha_y = property(8);
+    surface.apart = property(9);
+    surface.index = property(10);
+    surface.emission = {property(11), property(12), property(13)};
+    surface.diffuse_roughness = property(14);
+    surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
+    if (surface.glossy) {
+        surface.tangents = plane_across(surface.normal);
+        if (view.corner_tangents != nullptr) {
+            const vec3 tangent = between_corners(view.corner_tangents);
+            const vec3 along = tangent - surface.normal * dot(tangent, surface.normal);
+            const Real length2 = dot(along, along);
+            const Mask usable = length2 > 1e-12F;
+            const Real scale = 1.0F / sqrt(pick(usable, length2, 1.0F));
+            const auto chosen = [&](Real found, Real other) { return pick(usable, found * scale, other); };
+            Plane &plane = surface.tangents;
+            plane.x = {chosen(along.x, plane.x.x), chosen(along.y, plane.x.y), chosen(along.z, plane.x.z)};
+            plane.y = cross(surface.normal, plane.x);
+        }
+    }
+    return surface;
+}
+
+// Whether nothing solid stands on the first `distance` metres from `point`.
+Real visibility(const SurfaceView &view, const vec3 &point, const Towards &towards, Mask asked) {
+    if (view.scene == nullptr || !xsimd::any(asked)) {
+        return 1.0F;
+    }
+    typename Rays<LANES>::Ray rays;
+    set_rays(rays, point, towards.direction, 0.0F, towards.distance);
+    alignas(64) int valid[LANES];
+    valid_lanes(asked, valid);
+    Rays<LANES>::occluded(valid, view.scene, rays);
+    return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
+}
+
+// What the smoke lets through from a light to a point: the mean over the light's samples.
+void smoke_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, Real out[3]) {
+    const int colours = frame.grey ? 1 : 3;
+    const std::size_t media = frame.media.size();
+    Real sum[3] = {0.0F, 0.0F, 0.0F};
+    for (std::size_t j = 0; j < light.samples.size(); ++j) {
+        Real depth[3] = {0.0F, 0.0F, 0.0F};
+        for (std::size_t m = 0; m < media; ++m) {
+            const LightMapView &map = light.maps[j * media + m];
+            if (map.coefficients == nullptr) {
+                continue;
+            }
+            const vec3 place = place_on(map, point);
+            const Real column = column_density(map, locate(map, place.x, place.y), place.z);
+            for (int c = 0; c < colours; ++c) {
+                depth[c] = depth[c] + column * frame.media[m].extinction[c];
+            }
+        }
+        for (int c = 0; c < colours; ++c) {
+            sum[c] = sum[c] + transmittance_of(depth[c]);
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        out[c] = sum[c < colours ? c : 0] * (1.0F / static_cast<float>(light.samples.size()));
+    }
+}
+
+// The light that a packet's surfaces send to the eye, with the shadow of the smoke and without.
+struct Reflected {
+    Real shadowed[3], open[3];
+    Real unshadowed; // without shadows of solids either, the mean of the colours; of shadows, the irradiance
+};
+
+void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
+    v.x.store_aligned(to[0]);
+    v.y.store_aligned(to[1]);
+    v.z.store_aligned(to[2]);
+}
+
+void pack(const Surface &surface, const vec3 &point, const vec3 &direction, ShadingPacket &packet) {
+    store(point, packet.point);
+    store(surface.normal, packet.normal);
+    store(direction, packet.direction);
+    packet.glossy = surface.glossy;
+    const Plane plane = surface.glossy ? surface.tangents : plane_across(surface.normal);
+    store(plane.x, packet.tangent);
+    store(plane.y, packet.bitangent);
+    surface.alpha_x.store_aligned(packet.alpha_x);
+    surface.alpha_y.store_aligned(packet.alpha_y);
+    surface.apart.store_aligned(packet.apart);
+    surface.index.store_aligned(packet.index);
+}
+
+// The share of a light that reaches a surface: past solids, asked for one point of the light, and through the smoke.
+// What the surface's shading normal does not see of the light is not in its shading, and counts as visible.
+Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3 &start, const Towards &towards) {
+    const Mask above = surface.hit & (dot(surface.normal, towards.direction) > 0.0F);
+    const Mask asked = above & (dot(surface.geometric_normal, towards.direction) > 0.0F);
+    const Real visible = visibility(frame.surfaces, start, towards, asked);
+    return pick(asked, visible, pick(above, 0.0F, 1.0F));
+}
+
+Ray ray_through(const FrameView &frame, Real u, Real v) {
+    const auto &c = frame.camera;
+    return camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
+                      broadcast(c[5]), u, v);
+}
+
+// Where another ray meets the plane of a surface; where that is far away, as it is on one seen edge-on, `start`, a
+// point on it.
+vec3 beside(const Surface &surface, const vec3 &start, const Ray &other) {
+    const vec3 &normal = surface.geometric_normal;
+    const Real facing = min(dot(other.direction, normal), -1e-6F);
+    const Real distance = dot(start - other.origin, normal) / facing;
+    const Mask near = abs(distance - surface.distance) < 0.1F * surface.distance;
+    return pick(near, other.origin + other.direction * distance, start);
+}
+
+// The share of a light that solids leave a surface, for what it reflects diffusely and for its gloss.
+struct PastSolids {
+    Real diffuse, gloss;
+};
+
+// Of the sample that the ray stands for; or a mean over the packet's shadow samples, each by what the surface would
+// make of it: with that the closed forms count as a control (Heitz, Hill and McGuire, "Combining analytic direct
+// illumination and stochastic shadows", 2018), and of what hides a part of a light a mirror knows only the part that it
+// shows.
+PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface,
+                             const LightView &light, const vec3 &start, ShadingPacket &shading) {
+    if (packet.shadows.empty()) {
+        const Real u = Real::load_aligned(packet.light_u), v = Real::load_aligned(packet.light_v);
+        const Real visible = solid_visibility(frame, surface, start, sample_towards(light, start, u, v));
+        return {visible, visible};
+    }
+    constexpr float NOTHING = 1e-20F; // what the surface makes nothing of is a plain mean
+    PastSolids sum{0.0F, 0.0F}, all{0.0F, 0.0F};
+    for (const ShadowSample &sample : packet.shadows) {
+        const vec3 from =
+            beside(surface, start, ray_through(frame, Real::load_aligned(sample.u), Real::load_aligned(sample.v)));
+        const Real u = Real::load_aligned(sample.light_u), v = Real::load_aligned(sample.light_v);
+        const Towards towards = sample_towards(light, from, u, v);
+        const Real visible = solid_visibility(frame, surface, from, towards);
+        const Real diffuse = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance + NOTHING;
+        all.diffuse = all.diffuse + diffuse;
+        sum.diffuse = sum.diffuse + diffuse * visible;
+        if (surface.glossy) {
+            store(towards.direction, shading.towards);
+            weigh_gloss(shading);
+            const Real gloss = Real::load_aligned(shading.plain) * towards.irradiance + NOTHING;
+            all.gloss = all.gloss + gloss;
+            sum.gloss = sum.gloss + gloss * visible;
+        }
+    }
+    return {sum.diffuse / all.diffuse, surface.glossy ? sum.gloss / all.gloss : Real(0.0F)};
+}
+
+// Of light from the middle of a light, for all of it.
+Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, const vec3 &direction) {
+    if (!xsimd::any(surface.diffuse_roughness >= 0.0F)) {
+        return 1.0F;
+    }
+    const vec3 towards =
+        light.kind == Light::Kind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+    return diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction), -dot(direction, towards),
+                       surface.diffuse_roughness);
+}
+
+Reflected reflected(const FrameView &frame, Output output, const Packet &packet, const Ray &ray,
+                    const Surface &surface) {
+    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F};
+    const bool picture = output == Output::PICTURE || output == Output::SURFACES;
+    if (picture) {
+        const Real emissions[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
+        for (int c = 0; c < 3; ++c) {
+            out.open[c] = out.shadowed[c] = emissions[c];
+            out.unshadowed = out.unshadowed + emissions[c] * (1.0F / 3.0F);
+        }
+    }
+    const vec3 point = ray.origin + ray.direction * surface.distance;
+    // Off the surface by a few rounding errors of the coordinates, for shadow rays, and for light from the surface
+    // itself if that glows: whether it is seen from before or from behind must not hang on the last digit.
+    const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
+    const vec3 start = point + surface.geometric_normal * offset;
+    const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
+    const Real reflectances[3] = {surface.reflectance.x, surface.reflectance.y, surface.reflectance.z};
+    ShadingPacket packed;
+    pack(surface, start, ray.direction, packed);
+    Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
+    for (const LightView &light : frame.lights) {
+        shade(light, packed);
+        const Real diffuse = Real::load_aligned(packed.diffuse), plain = Real::load_aligned(packed.plain);
+        const Real fresnel = Real::load_aligned(packed.fresnel);
+        const Mask lit = surface.hit & ((diffuse > 0.0F) | (plain > 0.0F));
+        const bool any_lit = xsimd::any(lit);
+        if (picture && !any_lit) {
+            continue;
+        }
+        if (!picture) {
+            // From the light's middle: a share's denominator must not depend on where this sample fell.
+            const Real irradiance = pick(surface.hit, sample_towards(light, start, 0.5F, 0.5F).irradiance, 0.0F);
+            for (int c = 0; c < 3; ++c) {
+                facing[c] = facing[c] + irradiance * light.strength[c];
+            }
+        }
+        if (!any_lit) {
+            continue;
+        }
+        const PastSolids past = light_past_solids(frame, packet, surface, light, start, packed);
+        const Real visible = pick(lit, past.diffuse, 0.0F), mirrored = pick(lit, past.gloss, 0.0F);
+        Real through[3];
+        smoke_transmittance(frame, light, point, through);
+        const Real rim = picture ? rim_of(surface, light, start, ray.direction) : Real(1.0F);
+        for (int c = 0; c < 3; ++c) {
+            if (picture) {
+                const Real edge = surface.edge * (1.0F - reflectances[c]);
+                const Real dull = albedos[c] * diffuse * rim * light.strength[c];
+                const Real gloss = (reflectances[c] * plain + edge * fresnel) * light.strength[c];
+                const Real sent = dull * visible + gloss * mirrored;
+                out.unshadowed = out.unshadowed + (dull + gloss) * (1.0F / 3.0F);
+                out.open[c] = out.open[c] + sent;
+                out.shadowed[c] = out.shadowed[c] + sent * through[c];
+                continue;
+            }
+            // The share of light that is missing, of all that would be there if the surface faced every light.
+            const Real all = diffuse * (3.14159265F * light.strength[c]);
+            out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
+            const Real solid = all * visible;
+            out.shadowed[c] = out.shadowed[c] + ((output == Output::ALL_SHADOWS ? all : solid) - solid * through[c]);
+        }
+    }
+    if (!picture) {
+        for (int c = 0; c < 3; ++c) {
+            out.shadowed[c] = min(out.shadowed[c] / facing[c], 1.0F);
+        }
+    }
+    return out;
+}
+
+} // namespace
+} // namespace sfumato::SFUMATO_ISA

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lights as the lane kernels see them: which way they lie, and how they fade.
+#pragma once
+
+#include "text/kernels.hpp"
+#include "text/lanes.hpp"
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+inline vec3 normalised(const vec3 &v) {
+    return v * (1.0F / sqrt(dot(v, v)));
+}
+
+// What the smoke takes for the light at a point: it falls off from the light's middle, and all else that happens to it
+// is in the light volume.
+inline Real falloff_of(const LightView &light, const vec3 &from_light) {
+    return light.kind == Light::Kind::SUN ? Real(1.0F) : falloff(dot(from_light, from_light), light.size2);
+}
+
+// In a direction whose cosine to the spot's axis is given.
+inline Real spot_share_along(const LightView &light, Real cosine) {
+    const Real fade = spot_fade(cosine, light.cone_cosine, light.blend);
+    return light.spot_cosine ? fade * cosine : fade;
+}
+
+inline Real spot_share(const LightView &light, const vec3 &from_light) {
+    if (light.cone_cosine <= -1.0F) {
+        return 1.0F;
+    }
+    return spot_share_along(light, dot(from_light, broadcast(light.direction)) /
+                                       sqrt(max(dot(from_light, from_light), 1e-20F)));
+}
+
+// Each part of a sun's disk brings as much to a surface that faces its middle, and more to what faces the part. The
+// rim of a sun that fills half the sky would bring that surface next to nothing for infinitely much.
+constexpr float LOWEST_SUN = 0.02F;
+
+// What a part of an area light sends in a direction whose cosine to the light's is given, of its radiance by its area.
+inline Real sent_along(const LightView &light, Real cosine) {
+    return light.kind == Light::Kind::POLYGON ? abs(cosine)
+                                              : max(cosine, 0.0F) * spread_fade(cosine, light.spread_cotangent);
+}
+
+// What one of the light's samples brings to a point, as a share of falloff_of().
+inline Real sample_share(const LightView &light, const glm::vec3 &sample, const vec3 &world) {
+    const float count = static_cast<float>(light.samples.size());
+    if (light.kind == Light::Kind::SUN) {
+        return 1.0F / (count * std::max(-glm::dot(sample, light.direction), LOWEST_SUN));
+    }
+    if (light.kind == Light::Kind::SPHERE) {
+        return spot_share(light, world - broadcast(sample)) * (1.0F / count);
+    }
+    const vec3 from_sample = world - broadcast(sample), from_middle = world - broadcast(light.position);
+    const float patch = light.area / count;
+    const Real distance2 = dot(from_sample, from_sample);
+    const Real cosine = dot(from_sample, broadcast(light.direction)) / sqrt(max(distance2, 1e-20F));
+    const Real sent = sent_along(light, cosine);
+    // A patch of the light as large as a sample stands for is nowhere nearer than its own radius.
+    return sent * patch / ((distance2 + patch * 0.318F) * falloff_of(light, from_middle));
+}
+
+// Two unit vectors at right angles to n and to each other: Duff et al., "Building an orthonormal basis, revisited",
+// 2017.
+struct Plane {
+    vec3 x, y;
+};
+
+inline Plane plane_across(const vec3 &n) {
+    const Real sign = pick(n.z < 0.0F, -1.0F, 1.0F);
+    const Real a = -1.0F / (sign + n.z), b = n.x * n.y * a;
+    return {{1.0F + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
+}
+
+// A point on a light as a surface sees it, and the irradiance that the whole light would bring to a surface that faces
+// this way if all of the light were like this point.
+struct Towards {
+    vec3 direction;
+    Real distance;
+    Real irradiance; // for a strength of one
+};
+
+constexpr float ALMOST = 0.9999F; // of the way to a light: short of the light itself, should it have a mesh
+
+inline Towards towards_place(const LightView &light, const vec3 &point, const vec3 &place) {
+    const vec3 to_light = place - point;
+    const Real distance2 = max(dot(to_light, to_light), 1e-20F);
+    const Real distance = sqrt(distance2);
+    const vec3 direction = to_light * (1.0F / distance);
+    const Real cosine = -dot(direction, broadcast(light.direction));
+    return {direction, distance * ALMOST, sent_along(light, cosine) * light.area / distance2};
+}
+
+inline Towards sample_towards(const LightView &light, const vec3 &point, Real u, Real v) {
+    if (light.kind == Light::Kind::POLYGON) {
+        const glm::vec3 *const c = light.corners;
+        return towards_place(light, point,
+                             point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v));
+    }
+    const Real a = 2.0F * u - 1.0F, b = 2.0F * v - 1.0F;
+    const DiskPoint disk = point_on_disk(a, b);
+    const Real x = disk.x, y = disk.y;
+    if (light.kind == Light::Kind::SUN) {
+        const vec3 aside = broadcast(light.across) * x + broadcast(light.up) * y;
+        const Real height = sqrt(max(1.0F - dot(aside, aside), LOWEST_SUN * LOWEST_SUN));
+        return {aside - broadcast(light.direction) * height, 1e30F, 1.0F / height};
+    }
+    if (light.kind == Light::Kind::SPHERE) {
+        const vec3 to_middle = broadcast(light.position) - point;
+        const Real distance2 = max(dot(to_middle, to_middle), 1e-20F);
+        const Real distance = sqrt(distance2);
+        const vec3 axis = to_middle * (1.0F / distance);
+        if (light.radius == 0.0F) {
+            return {axis, distance * ALMOST, spot_share(light, -to_middle) / distance2};
+        }
+        // Uniform in the solid angle of the sphere: 2 pi (1 - cos), of radiance 1 / (pi radius^2).
+        const Real sine2 = min(light.radius * light.radius / (distance2 + light.facing2), 1.0F);
+        const Real cap = sine2 / (1.0F + sqrt(1.0F - sine2)); // 1 - cos, without its cancellation
+        const Real share = x * x + y * y;
+        const Real height = 1.0F - share * cap;
+        const Real across = sqrt(max(cap * (2.0F - share * cap), 0.0F)); // over the disk: its own radius is in x and y
+        const Plane plane = plane_across(axis);
+        const vec3 direction = axis * height + (plane.x * x + plane.y * y) * across;
+        const Real reach =
+            distance * height - sqrt(max(light.radius * light.radius - distance2 * across * across * share, 0.0F));
+        const Real brightness = 2.0F / (light.radius * light.radius);
+        return {direction, max(reach, 0.0F) * ALMOST, spot_share(light, -direction) * cap * brightness};
+    }
+    const bool ellipse = light.kind == Light::Kind::ELLIPSE;
+    const vec3 there = broadcast(light.position) + broadcast(light.across) * (ellipse ? x : a) +
+                       broadcast(light.up) * (ellipse ? y : b);
+    return towards_place(light, point, there);
+}
+
+} // namespace
+} // namespace sfumato::SFUMATO_ISA

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lights/microfacet.hpp"
+
+#include "text/glsl_double.hpp"
+#include "text/kernels.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+namespace sfumato {
+namespace glsl_double {
+namespace {
+
+inline double load(const double *lanes) {
+    return *lanes;
+}
+inline void store(double x, double *lanes) {
+    *lanes = x;
+}
+
+#include "lights/microfacet_loops.inc"
+
+} // namespace
+} // namespace glsl_double
+
+namespace {
+
+template <typename Number>
+void mix(std::vector<Number> &out, Number f0) {
+    for (std::size_t i = 0; 2 * i < out.size(); ++i) {
+        const Number plain = out[2 * i], fresnel = out[2 * i + 1];
+        out[i] = f0 * (plain - fresnel) + fresnel;
+    }
+    out.resize(out.size() / 2);
+}
+
+} // namespace
+
+void mix_fresnel(std::vector<float> &out, float f0) {
+    mix(out, f0);
+}
+
+void mix_fresnel(std::vector<double> &out, double f0) {
+    mix(out, f0);
+}
+
+void reflect(const MicrofacetBatch<float> &batch) {
+    kernels().reflect_lights(batch);
+}
+
+void reflect(const MicrofacetBatch<double> &batch) {
+    glsl_double::reflect_batch(batch);
+}
+
+} // namespace sfumato

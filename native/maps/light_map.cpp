@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "maps/light_map.hpp"
+
+#include "text/glsl.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace sfumato {
+namespace {
+
+constexpr int MOST_SLICES = 32768;
+
+// The ray of a texel in the world: from depth 0 of the map, one depth long.
+struct TexelRay {
+    glm::dvec3 origin, along;
+};
+
+TexelRay texel_ray(const LightMap &map, const glm::dmat4 &light_to_world, int x, int y) {
+    const glm::dvec2 place((x + 0.5) / map.size.x, (y + 0.5) / map.size.y);
+    if (!map.radial) {
+        return {glm::dvec3(light_to_world * glm::dvec4(place, 0.0, 1.0)), glm::dvec3(light_to_world[2])};
+    }
+    const glm::dvec2 square = glm::dvec2(map.low) + place * glm::dvec2(map.high - map.low);
+    const glm::vec3 local = glsl::octahedral_direction({static_cast<float>(square.x), static_cast<float>(square.y)});
+    const glm::dvec3 direction = glm::dmat3(light_to_world) * glm::dvec3(local);
+    return {glm::dvec3(light_to_world[3]) + map.low.z * direction, (map.high.z - map.low.z) * direction};
+}
+
+// The map depth of the first place at which a solid could stand between light and smoke.
+double nearest_solid(const LightMap &map, const SurfaceView &surfaces, double nearest_distance) {
+    if (map.radial) {
+        return (nearest_distance - map.low.z) / (map.high.z - map.low.z);
+    }
+    RTCBounds bounds;
+    rtcGetSceneBounds(surfaces.scene, &bounds);
+    const glm::dvec3 low(bounds.lower_x, bounds.lower_y, bounds.lower_z);
+    const glm::dvec3 high(bounds.upper_x, bounds.upper_y, bounds.upper_z);
+    double nearest = 0.0; // of the solids' corner that is nearest to the light
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
+                           (corner & 4) != 0 ? high.z : low.z);
+        nearest = std::min(nearest, (map.world_to_light * glm::dvec4(p, 1.0)).z - 1e-3);
+    }
+    return nearest;
+}
+
+// Where along each texel's light ray, in the map's depth, the first solid stands.
+void find_solids(LightMap &map, const SurfaceView &surfaces, double nearest_distance = 0.0) {
+    map.solid_depth.assign(map.texels(), std::numeric_limits<float>::max());
+    if (surfaces.scene == nullptr) {
+        return;
+    }
+    const double nearest = nearest_solid(map, surfaces, nearest_distance);
+    const glm::dmat4 light_to_world = glm::inverse(map.world_to_light);
+    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
+        for (int x = 0; x < map.size.x; ++x) {
+            const TexelRay ray = texel_ray(map, light_to_world, x, y);
+            const double length = glm::length(ray.along);
+            const float hit =
+                first_hit(surfaces.scene, glm::vec3(ray.origin + nearest * ray.along), glm::vec3(ray.along / length));
+            if (std::isfinite(hit)) {
+                map.solid_depth[static_cast<std::size_t>(y * map.size.x + x)] =
+                    static_cast<float>(nearest + static_cast<double>(hit) / length);
+            }
+        }
+    });
+}
+
+// The eight corners of the medium's box, taken through `to`.
+std::array<glm::dvec3, 8> corners_of(const CroppedMedium &medium, const glm::dmat4 &to) {
+    std::array<glm::dvec3, 8> corners;
+    for (std::size_t i = 0; i < 8; ++i) {
+        const glm::dvec3 cell((i & 1) != 0 ? medium.resolution.x : 0, (i & 2) != 0 ? medium.resolution.y : 0,
+                              (i & 4) != 0 ? medium.resolution.z : 0);
+        corners[i] = glm::dvec3(to * medium.grid_to_world * glm::dvec4(cell, 1.0));
+    }
+    return corners;
+}
+
+// `length` of light in metres, at most this many slices of half a cell: with one a cell, the total of a small dense
+// puff can be off by more than 1 %.
+void project(LightMap &map, const CroppedMedium &medium, double length, double cells, const Kernels &with) {
+    const int slices = static_cast<int>(std::clamp(std::ceil(2.0 * cells), 1.0, double{MOST_SLICES}));
+    const Affine light_to_grid = affine(glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light));
+    const std::ptrdiff_t row_floats = static_cast<std::ptrdiff_t>(map.size.x) * map.view().stride();
+    map.coefficients.resize(static_cast<std::size_t>(row_floats * map.size.y));
+    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
+        ProjectRow row;
+        row.density = medium.density_grid();
+        row.clearance = medium.clearances();
+        row.map = map.view();
+        row.light_to_grid = light_to_grid;
+        row.slice_length = static_cast<float>(length / slices);
+        row.extinction = std::max({medium.extinction.x, medium.extinction.y, medium.extinction.z});
+        row.slices = slices;
+        row.y = y;
+        row.coefficients = map.coefficients.data() + y * row_floats;
+        std::vector<float> scratch(static_cast<std::size_t>(slices * (MAX_LANES + 1)));
+        row.scratch = scratch.data();
+        with.project_row(row);
+    });
+}
+
+// The edge of a texel in metres: the shortest edge of a cell; but where cells are thin and seen from their flat side,
+// no less than a quarter of the width that they show to the light.
+double texel_edge(const CroppedMedium &medium, const glm::dvec3 &towards) {
+    const glm::dmat3 m(medium.grid_to_world);
+    const double shown = std::abs(glm::dot(glm::cross(m[0], m[1]), towards)) +
+                         std::abs(glm::dot(glm::cross(m[1], m[2]), towards)) +
+                         std::abs(glm::dot(glm::cross(m[2], m[0]), towards));
+    return std::max(medium.cell_size, 0.25 * std::sqrt(shown));
+}
+
+// Texels of at least the asked-for size, so many that they fill an extent within memory; the rim around them stays
+// empty.
+glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int floats, double most_floats) {
+    const double least = std::sqrt(extent.x * extent.y * floats / most_floats);
+    return glm::ivec2(glm::ceil(extent / std::max(texel, least))) + 2;
+}
+
+} // namespace
+
+Affine affine(const glm::dmat4 &m) {
+    Affine out;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 4; ++column) {
+            out.rows[row][column] = static_cast<float>(m[column][row]);
+        }
+    }
+    return out;
+}
+
+glm::dmat3 axes_of(const glm::dvec3 &direction) {
+    const glm::dvec3 along = glm::normalize(direction);
+    const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
+    const glm::dvec3 across = glm::normalize(glm::cross(helper, along));
+    return {across, glm::cross(along, across), along};
+}
+
+LightMapView LightMap::view() const {
+    LightMapView view{coefficients.data(), solid_depth.data(), count, size.x, size.y, radial, affine(world_to_light)};
+    for (int axis = 0; axis < 3; ++axis) {
+        view.low[axis] = static_cast<float>(low[axis]);
+        view.scale[axis] = static_cast<float>(1.0 / (high[axis] - low[axis]));
+    }
+    return view;
+}
+
+void LightMap::look_up(std::span<const float> points, std::span<float> columns) const {
+    constexpr int CHUNK = 4096;
+    const auto total = static_cast<int>(columns.size());
+    oneapi::tbb::parallel_for(0, (total + CHUNK - 1) / CHUNK, [&](int chunk) {
+        const int first = chunk * CHUNK;
+        kernels().look_up(view(), points.data() + static_cast<std::ptrdiff_t>(first) * 3, columns.data() + first,
+                          std::min(CHUNK, total - first));
+    });
+}
+
+LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const SurfaceView &surfaces,
+                            const LightMapSettings &settings, const Kernels &with) {
+    const glm::dmat3 to_light = glm::transpose(axes_of(direction));
+    glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
+    for (const glm::dvec3 &p : corners_of(medium, glm::dmat4(to_light))) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    LightMap map;
+    map.count = settings.coefficients;
+    const double texel = texel_edge(medium, glm::normalize(direction)) / settings.texels_per_cell;
+    map.size = texels_for(glm::dvec2(high - low), texel, map.view().stride(), settings.most_floats);
+    const double fitted = std::max({texel, (high.x - low.x) / (map.size.x - 2), (high.y - low.y) / (map.size.y - 2)});
+    const glm::dvec3 extent(glm::dvec2(map.size) * fitted, high.z - low.z);
+    const glm::dvec3 origin = 0.5 * (low + high) - 0.5 * extent;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) {
+            map.world_to_light[column][row] = to_light[column][row] / extent[row];
+        }
+        map.world_to_light[3][row] = -origin[row] / extent[row];
+    }
+    const glm::dmat4 light_to_grid = glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light);
+    project(map, medium, extent.z, glm::length(glm::dvec3(light_to_grid[2])), with);
+    find_solids(map, surfaces);
+    return map;
+}
+
+LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const SurfaceView &surfaces,
+                          const LightMapSettings &settings, const Kernels &with) {
+    // The frame of the light looks at the middle of the smoke, so that the seams of the octahedron lie behind it.
+    const glm::dvec3 middle(medium.grid_to_world * glm::dvec4(0.5 * glm::dvec3(medium.resolution), 1.0));
+    const glm::dvec3 towards = middle - position;
+    const double distance = glm::length(towards);
+    const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
+    const glm::dmat3 to_light = glm::transpose(axes_of(look));
+    LightMap map;
+    map.radial = true;
+    map.count = settings.coefficients;
+    map.world_to_light = glm::dmat4(to_light);
+    map.world_to_light[3] = glm::dvec4(-(to_light * position), 1.0);
+
+    const std::array<glm::dvec3, 8> corners = corners_of(medium, map.world_to_light);
+    map.low = glm::dvec3(-1.0, -1.0, 0.0);
+    map.high = glm::dvec3(1.0, 1.0, 0.0);
+    for (const glm::dvec3 &p : corners) {
+        map.high.z = std::max(map.high.z, glm::length(p));
+    }
+    // So a light inside the smoke is not: some corner lies behind it.
+    const bool before = std::all_of(corners.begin(), corners.end(), [](const glm::dvec3 &p) { return p.z > 0.0; });
+    if (before) {
+        // Straight edges bend where they cross from one face of the octahedron to the next, so a few points on each are
+        // looked at, and the margin is generous.
+        glm::dvec2 low(1.0), high(-1.0);
+        constexpr int POINTS = 16;
+        for (std::size_t a = 0; a < 8; ++a) {
+            for (std::size_t bit = 1; bit < 8; bit *= 2) {
+                for (int i = 0; (a & bit) == 0 && i <= POINTS; ++i) {
+                    const glm::dvec3 p = glm::mix(corners[a], corners[a | bit], double(i) / POINTS);
+                    const glsl::Octahedral place = glsl::octahedral(glm::vec3(p));
+                    low = glm::min(low, glm::dvec2(place.x, place.y));
+                    high = glm::max(high, glm::dvec2(place.x, place.y));
+                }
+            }
+        }
+        const glm::dvec2 margin = 0.02 * (high - low);
+        low = glm::max(low - margin, -1.0);
+        high = glm::min(high + margin, 1.0);
+        // No point of the box is nearer than its corners are deep. Harmonics are spent on what lies between the
+        // bounds, so from afar they must not begin at the light.
+        double depth = map.high.z;
+        for (const glm::dvec3 &p : corners) {
+            depth = std::min(depth, p.z);
+        }
+        map.low = glm::dvec3(low, depth);
+        map.high = glm::dvec3(high, map.high.z);
+    }
+    // A texel spans a cell, or the share asked for, at the middle of the smoke; near the light it spans less.
+    const double reach = std::max(distance, 0.25 * map.high.z);
+    const double texel = texel_edge(medium, look) / (settings.texels_per_cell * reach);
+    const glm::dvec2 extent(map.high - map.low);
+    map.size = texels_for(extent, texel, map.view().stride(), settings.most_floats);
+    // The rim of two texels must lie outside the smoke, unless the map is all that there is.
+    const glm::dvec2 rim = extent / glm::dvec2(map.size - 2);
+    map.low = glm::dvec3(glm::max(glm::dvec2(map.low) - rim, -1.0), map.low.z);
+    map.high = glm::dvec3(glm::min(glm::dvec2(map.high) + rim, 1.0), map.high.z);
+    const double length = map.high.z - map.low.z;
+    project(map, medium, length, length / medium.cell_size, with);
+    find_solids(map, surfaces, settings.nearest_solid);
+    return map;
+}
+
+} // namespace sfumato

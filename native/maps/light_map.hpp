@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A light map: one medium's column density along the rays of one point of a light, and where solids begin on them.
+#pragma once
+
+#include "media/medium.hpp"
+#include "scene/scene.hpp"
+#include "text/kernels.hpp"
+
+#include <span>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+
+namespace sfumato {
+
+struct LightMap {
+    int count = 1; // coefficients a texel
+    glm::ivec2 size{0};
+    bool radial = false;
+    glm::dmat4 world_to_light{1.0};  // see LightMapView
+    glm::dvec3 low{0.0}, high{1.0};  // radial: the rectangle of the octahedral square, and the distances
+    std::vector<float> coefficients; // of the column density, metres times density: see LightMapView
+    std::vector<float> solid_depth;
+
+    [[nodiscard]] LightMapView view() const;
+    [[nodiscard]] std::size_t texels() const {
+        return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
+    }
+    // Column density between the light and each of `points` (x, y, z in turn).
+    void look_up(std::span<const float> points, std::span<float> columns) const;
+};
+
+struct LightMapSettings {
+    int coefficients = 15;
+    double texels_per_cell = 1.0; // against the shortest edge of the medium's cells
+    double nearest_solid = 0.0;   // metres around a light that has a place: solids nearer than that do not count
+    double most_floats = 1 << 26; // of one map: a quarter of a gibibyte; it has larger texels where it would need more
+};
+
+// Light that travels in `direction` everywhere.
+LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const SurfaceView &surfaces,
+                            const LightMapSettings &settings, const Kernels &with = kernels());
+
+// Light that leaves `position` in all directions. The position may lie in the medium.
+LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const SurfaceView &surfaces,
+                          const LightMapSettings &settings, const Kernels &with = kernels());
+
+// Two axes across a direction, and the direction.
+glm::dmat3 axes_of(const glm::dvec3 &direction);
+
+} // namespace sfumato

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Building a light map from a density grid, and looking it up, many texels or cells at a time.
+#include "maps/sampling.hpp"
+#include "text/lanes.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+// The light ray of a texel in grid space: the middle of the first slice, and from there one slice on.
+struct Path {
+    vec3 start, step;
+};
+
+Path path_of(const ProjectRow &row, const Real &column) {
+    const LightMapView &map = row.map;
+    const Real x = (column + 0.5F) * (1.0F / static_cast<float>(map.width));
+    const Real y = (static_cast<float>(row.y) + 0.5F) * (1.0F / static_cast<float>(map.height));
+    const Real slice = 1.0F / static_cast<float>(row.slices);
+    if (!map.radial) {
+        return {transform_point(row.light_to_grid, {x, y, 0.5F * slice}),
+                transform_vector(row.light_to_grid, {Real(0.0F), Real(0.0F), slice})};
+    }
+    Octahedral place;
+    place.x = map.low[0] + x * (1.0F / map.scale[0]);
+    place.y = map.low[1] + y * (1.0F / map.scale[1]);
+    const vec3 direction = octahedral_direction(place);
+    const Real depth = slice * (1.0F / map.scale[2]);
+    return {transform_point(row.light_to_grid, direction * (map.low[2] + 0.5F * depth)),
+            transform_vector(row.light_to_grid, direction * depth)};
+}
+
+// The densities along the rays of one packet, at the slices that may hold smoke.
+struct Samples {
+    float *densities; // LANES each
+    float *slices;    // their numbers
+    int count = 0;
+
+    [[nodiscard]] Real density(int i) const {
+        return Real::load_unaligned(densities + static_cast<std::ptrdiff_t>(i) * LANES);
+    }
+};
+
+// Empty slices are leapt over.
+Samples march_light(const ProjectRow &row, const Path &path) {
+    Samples samples{row.scratch + row.slices, row.scratch};
+    const float speed = highest(max(max(abs(path.step.x), abs(path.step.y)), abs(path.step.z)));
+    const vec3 size{Real(static_cast<float>(row.density.nx)), Real(static_cast<float>(row.density.ny)),
+                    Real(static_cast<float>(row.density.nz))};
+    const auto slices = static_cast<float>(row.slices);
+    const Interval inside = clip_to_box({Real(0.0F), Real(slices)}, path.start, path.step, size);
+    const int first = static_cast<int>(std::min(slices, lowest(inside.near_t)));
+    const int last = static_cast<int>(std::clamp(highest(inside.far_t) + 1.0F, 0.0F, slices));
+    for (int s = first; s < last;) {
+        const vec3 p = path.start + path.step * Real(static_cast<float>(s));
+        const Real clear = clearance_at(row.clearance, p);
+        if (!xsimd::any(clear < 0.0F)) {
+            s += 1 + static_cast<int>(lowest(clear) / speed);
+            continue;
+        }
+        const Real density = sample(row.density, locate(row.density, p), 0);
+        density.store_unaligned(samples.densities + static_cast<std::ptrdiff_t>(samples.count) * LANES);
+        samples.slices[samples.count++] = static_cast<float>(s);
+        ++s;
+    }
+    return samples;
+}
+
+// The range of depths that a ray's series spans: that of its smoke, less what cannot be seen at either end. `slice` is
+// the depth of one slice, `total` the sum of the densities.
+DepthRange seen_range(const ProjectRow &row, const Samples &samples, Real total, float slice) {
+    const float to_depth = row.slice_length * row.extinction; // optical depth of a unit of density
+    const Real before = trimmed_before(total * to_depth) * (1.0F / to_depth);
+    const Real behind = trimmed_behind(total);
+    Real passed = 0.0F, front = 1.0F, back = 0.0F;
+    for (int i = 0; i < samples.count; ++i) {
+        const Real depth = slice * samples.slices[i];
+        back = pick(total - passed > behind, depth + slice, back);
+        passed = passed + samples.density(i);
+        front = pick(passed > before, min(front, depth), front);
+    }
+    // Nothing lies beyond the map: smoke that begins at its very end, with the light inside, needs no room there. The
+    // cosines' mirror image takes its step away.
+    // A ray that only grazes smoke has no range that counts.
+    const Mask smoky = total * to_depth > 1e-7F;
+    DepthRange range = padded_range(pick(smoky, front, 0.0F), pick(smoky, max(front, back), 1.0F));
+    range.low = max(range.low, 0.0F);
+    range.high = max(min(range.high, 1.0F), range.low + 1e-4F);
+    return range;
+}
+
+} // namespace
+
+void project_row(const ProjectRow &row) {
+    constexpr int MAX_COUNT = 64;
+    const int count = row.map.count, width = row.map.width, stride = row.map.stride();
+    const float slice = 1.0F / static_cast<float>(row.slices);
+    for (int x = 0; x < width; x += LANES) {
+        const Samples samples = march_light(row, path_of(row, lane_numbers() + static_cast<float>(x)));
+        Real total = 0.0F;
+        for (int i = 0; i < samples.count; ++i) {
+            total = total + samples.density(i);
+        }
+        const DepthRange range = seen_range(row, samples, total, slice);
+        const Real per_depth = 1.0F / (range.high - range.low);
+        Real sums[MAX_COUNT];
+        for (int k = 1; k < count; ++k) {
+            sums[k] = 0.0F;
+        }
+        for (int i = 0; i < samples.count; ++i) {
+            const Real density = samples.density(i);
+            const Real d = relative_depth(range, slice * (samples.slices[i] + 0.5F));
+            // cos((k + 1) x) = 2 cos(x) cos(k x) - cos((k - 1) x)
+            const Real cosine = cos(0.5F * TWO_PI * d), twice = cosine + cosine;
+            Real last = 1.0F, harmonic_k = cosine;
+            for (int k = 1; k < count; ++k) {
+                sums[k] = xsimd::fma(density, harmonic_k, sums[k]);
+                const Real next = xsimd::fms(twice, harmonic_k, last);
+                last = harmonic_k;
+                harmonic_k = next;
+            }
+        }
+        alignas(64) float lanes[LANES];
+        const auto store = [&](Real value, int at) {
+            value.store_aligned(lanes);
+            for (int lane = 0; lane < LANES && x + lane < width; ++lane) {
+                row.coefficients[static_cast<std::ptrdiff_t>(x + lane) * stride + at] = lanes[lane];
+            }
+        };
+        store(total * row.slice_length, 0);
+        store(range.low, 1);
+        store(per_depth, 2);
+        for (int k = 1; k < count; ++k) {
+            const auto number = static_cast<float>(k);
+            const Real thickness = slab_factor(0.5F * number, slice * per_depth);
+            store(sums[k] * thickness * (2.0F * row.slice_length / (0.5F * 6.28318530717958648F * number)),
+                  HEAD_FLOATS + k - 1);
+        }
+    }
+}
+
+void look_up(const LightMapView &map, const float *points, float *columns, int count) {
+    for (int i = 0; i < count; i += LANES) {
+        alignas(64) float xyz[3][LANES] = {};
+        for (int lane = 0; lane < LANES && i + lane < count; ++lane) {
+            for (int axis = 0; axis < 3; ++axis) {
+                xyz[axis][lane] = points[3 * (i + lane) + axis];
+            }
+        }
+        const vec3 p{Real::load_aligned(xyz[0]), Real::load_aligned(xyz[1]), Real::load_aligned(xyz[2])};
+        const vec3 m = place_on(map, p);
+        alignas(64) float lanes[LANES];
+        column_density(map, locate(map, m.x, m.y), m.z).store_aligned(lanes);
+        for (int lane = 0; lane < LANES && i + lane < count; ++lane) {
+            columns[i + lane] = lanes[lane];
+        }
+    }
+}
+
+} // namespace sfumato::SFUMATO_ISA

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lighting the cells of a medium: what of one light reaches each of them.
+#include "lights/lights_lanes.hpp"
+#include "maps/sampling.hpp"
+#include "text/lanes.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+// The share of light that solids keep back: 0 before the first solid of each texel, 1 behind, filtered bilinearly
+// (Reeves, Salesin and Cook 1987). The softening over one texel stands for a small light's extent.
+inline Real solid_occlusion(const LightMapView &map, const Texels &texels, Real z) {
+    Real occluded[4];
+    for (int t = 0; t < 4; ++t) {
+        occluded[t] = pick(z < gather(map.solid_depth, texels.at[t]), 0.0F, 1.0F);
+    }
+    return bilinear(texels, occluded);
+}
+
+// Whether interpolation in a brick that holds smoke can reach any of these cells: an empty cell beside smoke counts.
+inline bool within_reach(const ClearanceView &bricks, const vec3 &p) {
+    Mask reached(false);
+    for (int corner = 0; corner < 8; ++corner) {
+        const auto side = [corner](int axis) { return (corner >> axis & 1) != 0 ? 1.0F : -1.0F; };
+        reached = reached | (clearance_at(bricks, {p.x + side(0), p.y + side(1), p.z + side(2)}) < 0.0F);
+    }
+    return xsimd::any(reached);
+}
+
+struct Arriving {
+    Real optical_depth[3];
+    Real share; // of the light's falloff() that gets past solids and the edges of its cone
+};
+
+// Averages over the light's samples: of what each brings, what solids let through, and of that what smoke lets through,
+// as the optical depth of the mean transmittance. Behind solids nothing arrives, but between a lit cell and one behind
+// a solid the smoke's own depth is what must be interpolated: there it is taken without the solids.
+Arriving arriving(const LightSlice &slice, const vec3 &world) {
+    const LightView &light = *slice.light;
+    const int colours = slice.grey ? 1 : 3;
+    const auto media = static_cast<std::ptrdiff_t>(slice.media.size());
+    Real past_solids = 0.0F, sent = 0.0F;
+    Real past_smoke[3] = {0.0F, 0.0F, 0.0F}, unblocked[3] = {0.0F, 0.0F, 0.0F};
+    Arriving out;
+    for (std::size_t j = 0; j < light.samples.size(); ++j) {
+        const LightMapView *maps = light.maps + static_cast<std::ptrdiff_t>(j) * media;
+        const Real weight = sample_share(light, light.samples[j], world);
+        Real visible = weight;
+        Real depth[3] = {0.0F, 0.0F, 0.0F};
+        for (int m = 0; m < media; ++m) {
+            if (maps[m].coefficients == nullptr) {
+                continue;
+            }
+            const vec3 place = place_on(maps[m], world);
+            const Texels texels = locate(maps[m], place.x, place.y);
+            const Real column = column_density(maps[m], texels, place.z);
+            for (int c = 0; c < colours; ++c) {
+                depth[c] = depth[c] + column * slice.media[static_cast<std::size_t>(m)].extinction[c];
+            }
+            if (m == slice.own) {
+                visible = weight * (1.0F - solid_occlusion(maps[m], texels, place.z));
+            }
+        }
+        past_solids = past_solids + visible;
+        sent = sent + weight;
+        for (int c = 0; c < colours; ++c) {
+            out.optical_depth[c] = depth[c];
+            if (light.samples.size() > 1) {
+                const Real left = transmittance_of(depth[c]);
+                past_smoke[c] = past_smoke[c] + visible * left;
+                unblocked[c] = unblocked[c] + weight * left;
+            }
+        }
+    }
+    out.share = past_solids;
+    if (light.samples.size() > 1) {
+        constexpr float LITTLE = 1e-6F, DARK = 1e-12F;
+        for (int c = 0; c < colours; ++c) {
+            const Real open = max(unblocked[c], DARK) / max(sent, DARK);
+            const Real behind = max(past_smoke[c], DARK) / max(past_solids, DARK);
+            out.optical_depth[c] = max(-log(pick(past_solids > sent * LITTLE, behind, open)), 0.0F);
+        }
+    }
+    return out;
+}
+
+} // namespace
+
+void light_slice(const LightSlice &slice) {
+    const MediumView &own = slice.media[static_cast<std::size_t>(slice.own)];
+    const int colours = slice.grey ? 1 : 3, channels = colours + 1;
+    const int nx = own.density.nx, ny = own.density.ny;
+    const Real z = static_cast<float>(slice.z) + 0.5F;
+    for (int y = 0; y < ny; ++y) {
+        for (int x = 0; x < nx; x += LANES) {
+            const vec3 p{lane_numbers() + (static_cast<float>(x) + 0.5F), Real(static_cast<float>(y) + 0.5F), z};
+            if (!within_reach(own.clearance, p)) {
+                continue;
+            }
+            const Arriving light = arriving(slice, transform_point(slice.grid_to_world, p));
+            alignas(64) float lanes[4][LANES];
+            for (int c = 0; c < colours; ++c) {
+                light.optical_depth[c].store_aligned(lanes[c]);
+            }
+            light.share.store_aligned(lanes[colours]);
+            const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(slice.z) * ny + y) * nx;
+            for (int lane = 0; lane < LANES && x + lane < nx; ++lane) {
+                for (int c = 0; c < channels; ++c) {
+                    slice.volume[(row + x + lane) * channels + c] = lanes[c][lane];
+                }
+            }
+        }
+    }
+}
+
+} // namespace sfumato::SFUMATO_ISA

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Frames: images, and what a GPU needs to make them.
+#include "frame/frame.hpp"
+
+#include "module/arguments.hpp"
+#include "module/parts.hpp"
+
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+namespace sfumato {
+namespace {
+
+using namespace arguments;
+
+Frame make_frame(const Scene &scene, int coefficients, double texels_per_cell, double steps_per_cell,
+                 int light_samples) {
+    require_range(coefficients, 1, 63, "coefficients");
+    require_range(texels_per_cell, 0.05, 8.0, "texels_per_cell");
+    require_range(steps_per_cell, 0.05, 64.0, "steps_per_cell");
+    require_range(light_samples, 1, 1024, "light_samples");
+    const py::gil_scoped_release unlocked;
+    return {scene, {coefficients, texels_per_cell, steps_per_cell, light_samples}};
+}
+
+void require_size(int width, int height) {
+    require_range(width, 1, 65536, "width");
+    require_range(height, 1, 65536, "height");
+}
+
+using PythonProgress = std::optional<std::function<py::object(double)>>;
+
+Progress reporting(const PythonProgress &progress) {
+    if (!progress) {
+        return {};
+    }
+    return [&progress](double done) {
+        const py::gil_scoped_acquire locked;
+        const py::object answer = (*progress)(done);
+        return answer.is_none() || py::bool_(answer); // a function without a return statement stops nothing
+    };
+}
+
+// The image that `work` makes with the interpreter's lock released, or None.
+template <typename Work>
+py::object image_of(int width, int height, const Work &work) {
+    std::optional<std::vector<float>> image;
+    {
+        const py::gil_scoped_release unlocked;
+        image = work();
+    }
+    return image ? py::object(to_numpy(std::move(*image), {height, width, 4})) : py::none();
+}
+
+py::object render(const Frame &frame, const Camera &camera, int width, int height, int edge_samples,
+                  const PythonProgress &progress) {
+    require_size(width, height);
+    require_range(edge_samples, 1, 1024, "edge_samples");
+    return image_of(width, height,
+                    [&] { return frame.render(camera, width, height, edge_samples, reporting(progress)); });
+}
+
+py::object surfaces(const Frame &frame, const Camera &camera, int width, int height, const std::string &output,
+                    int edge_samples, const PythonProgress &progress) {
+    require_size(width, height);
+    require_range(edge_samples, 1, 1024, "edge_samples");
+    Output kind = Output::SURFACES;
+    if (output == "smoke_shadow" || output == "all_shadows") {
+        kind = output == "smoke_shadow" ? Output::SMOKE_SHADOW : Output::ALL_SHADOWS;
+    } else if (output != "radiance") {
+        throw py::value_error("output is '" + output + "', but must be 'radiance', 'smoke_shadow' or 'all_shadows'");
+    }
+    return image_of(width, height,
+                    [&] { return frame.surfaces(camera, width, height, kind, edge_samples, reporting(progress)); });
+}
+
+py::array_t<float> density_of(const CroppedMedium &medium) {
+    const glm::ivec3 n = medium.resolution;
+    return to_numpy(medium.density, {n.z, n.y, n.x});
+}
+
+py::array_t<float> light_of(const CroppedMedium &medium) {
+    const glm::ivec3 n = medium.resolution;
+    const std::size_t volume = medium.density.size() * static_cast<std::size_t>(medium.light_channels);
+    const auto lights = static_cast<py::ssize_t>(medium.light.size() / volume);
+    return to_numpy(medium.light, {lights, n.z, n.y, n.x, medium.light_channels});
+}
+
+void require_light(const Frame &frame, int light) {
+    const auto count = static_cast<int>(frame.lighting().views().size());
+    if (light < 0 || light >= count) {
+        throw py::value_error("light is " + std::to_string(light) + ", but the frame has " + std::to_string(count));
+    }
+}
+
+const LightMap *light_map(const Frame &frame, int light, int sample, int medium) {
+    require_light(frame, light);
+    const auto samples = static_cast<int>(frame.lighting().views()[static_cast<std::size_t>(light)].samples.size());
+    require_range(sample, 0, samples - 1, "sample");
+    require_range(medium, 0, static_cast<int>(frame.media().size()) - 1, "medium");
+    const auto index = [](int value) { return static_cast<std::size_t>(value); };
+    return frame.lighting().map(index(light), index(sample), index(medium));
+}
+
+py::array_t<float> lights_of(const Frame &frame) {
+    std::vector<float> values;
+    const auto row = [&values](const glm::vec3 &v, float last) { values.insert(values.end(), {v.x, v.y, v.z, last}); };
+    for (const LightView &light : frame.lighting().views()) {
+        row(light.direction, light.kind == Light::Kind::SUN ? 1.0F : 0.0F);
+        row(light.position, light.size2);
+        row(light.strength, static_cast<float>(light.samples.size()));
+    }
+    return to_numpy(std::move(values), {static_cast<py::ssize_t>(frame.lighting().views().size()), 3, 4});
+}
+
+py::array_t<float> transmittance_at(const Frame &frame, const Floats &points, int light) {
+    if (points.ndim() < 1 || points.shape(points.ndim() - 1) != 3) {
+        throw py::value_error("points has shape " + shape_of(points) + ", but its last axis must be 3");
+    }
+    require_finite(points, "points");
+    require_light(frame, light);
+    std::vector<float> out(static_cast<std::size_t>(points.size()), 1.0F);
+    {
+        const py::gil_scoped_release unlocked;
+        frame.transmittance(static_cast<std::size_t>(light),
+                            std::span(points.data(), static_cast<std::size_t>(points.size())), out);
+    }
+    return to_numpy(std::move(out), {points.shape(), points.shape() + points.ndim()});
+}
+
+} // namespace
+
+void bind_frame(py::module_ &m) {
+    py::class_<CroppedMedium>(m, "LitMedium", "A body of smoke of a frame, cropped, with the light that reaches it.")
+        .def_property_readonly("density", &density_of, "(nz, ny, nx). A copy.")
+        .def_property_readonly(
+            "light", &light_of,
+            "(lights, nz, ny, nx, c): the optical depth towards each light, in the one colour of grey "
+            "smoke or in three, and the share of the light's falloff that passes solids and the edges "
+            "of its cone. A copy.")
+        .def_property_readonly(
+            "grid_to_world", [](const CroppedMedium &s) { return to_numpy(s.grid_to_world); },
+            "(4, 4): from cells to metres in world space.")
+        .def_property_readonly(
+            "clearance",
+            [](const CroppedMedium &s) {
+                return to_numpy(s.clearance, {s.bricks.z, s.bricks.y, s.bricks.x});
+            },
+            "(bz, by, bx), for each brick of 4^3 cells: negative where smoke may be met, else the number of cells "
+            "that are surely empty in every direction.")
+        .def_property_readonly(
+            "extinction", [](const CroppedMedium &s) { return to_numpy(s.extinction); },
+            "(3,), per metre and unit density.")
+        .def_property_readonly(
+            "scattering", [](const CroppedMedium &s) { return to_numpy(s.scattering); },
+            "(3,), per metre and unit density.")
+        .def_readonly("anisotropy", &CroppedMedium::anisotropy, "g of Henyey and Greenstein (1941).");
+
+    py::class_<LightMap>(m, "LightMap", "Column density along the rays of a light.")
+        .def_property_readonly(
+            "coefficients",
+            [](const LightMap &s) {
+                return to_numpy(s.coefficients, {s.size.y, s.size.x, s.view().stride()});
+            },
+            "(height, width, n + 2): of each ray the whole column density, the depth where its range begins and one "
+            "over "
+            "the range's extent, and a_k / (pi k), k = 1, ..., of its half-range cosine series. A copy.")
+        .def_property_readonly(
+            "world_to_light", [](const LightMap &s) { return to_numpy(s.world_to_light); },
+            "(4, 4): of a sun's map, to x and y across it and z along the light, all in [0, 1]; of others, to a frame "
+            "with the light at the origin.");
+
+    py::class_<Frame>(m, "Frame", R"(Everything about a scene that does not depend on the camera, computed once.
+
+coefficients (1 to 63) of each texel of the light maps; texels_per_cell and steps_per_cell relate the maps'
+resolution and the march along view rays to the cells of the smoke; light_samples, the most points at which a light is
+sampled that is large enough to blur the smoke's shadow.
+
+>>> import numpy as np
+>>> scene = Scene()
+>>> scene.set_background((0.25, 0.5, 1.0))
+>>> Frame(scene).render(Camera(np.eye(4)), width=2, height=1)[0, 0].tolist()
+[0.25, 0.5, 1.0, 0.0]
+)")
+        .def(py::init(&make_frame), py::arg("scene"), py::arg("coefficients") = FrameSettings{}.coefficients,
+             py::arg("texels_per_cell") = FrameSettings{}.texels_per_cell,
+             py::arg("steps_per_cell") = FrameSettings{}.steps_per_cell,
+             py::arg("light_samples") = FrameSettings{}.light_samples)
+        .def("render", &render, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("edge_samples") = 16,
+             py::arg("progress") = py::none(),
+             R"(The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom.
+
+edge_samples are taken where surfaces or their shadows change, one elsewhere. progress(done) is called with the
+share of the work that is done, by the thread that called; when it returns False the result is None.
+
+>>> import numpy as np
+>>> frame, shares = Frame(Scene()), []
+>>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=shares.append).shape
+(3, 4, 4)
+>>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=lambda done: done < 0.25) is None
+True
+)")
+        .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"),
+             py::arg("output") = "radiance", py::arg("edge_samples") = 1, py::arg("progress") = py::none(),
+             R"((height, width, 4) float32: of the first surface what `output` says, and the distance to it through the
+pixel's centre in metres, the far plane's where there is none. "radiance": in the shadow of smoke and solids, but without
+the smoke between it and the eye; "smoke_shadow": the share of the light on it that smoke takes, in [0, 1], of all that
+it would have if it faced every light; "all_shadows": the share that smoke and solids take.
+
+edge_samples and progress are those of render(). With edge_samples of 1 all lights are seen at their middles, and solids
+throw hard shadows; with more, lights with a size throw soft ones.
+
+>>> import numpy as np
+>>> Frame(Scene()).surfaces(Camera(np.diag([1, 1, -0.1, 1])), width=1, height=1)[0, 0].tolist()
+[0.0, 0.0, 0.0, 20.0]
+)")
+        .def("transmittance", &transmittance_at, py::arg("points"), py::arg("light") = 0,
+             R"(The share of a light that the smoke lets through to each of points (..., 3): (..., 3), RGB; light is
+its number. Solids are left out. Raises ValueError where there is no such light.
+
+>>> import numpy as np
+>>> scene = Scene()
+>>> scene.add_medium(np.full((8, 8, 8), 0.25), np.eye(4), scattering=(1, 0, 0), absorption=(0, 1, 2))
+>>> scene.add_sun((0, 0, -1), (4, 4, 4))
+>>> Frame(scene).transmittance([[4, 4, 20], [4, 4, -1]]).astype(float).round(3).tolist()
+[[1.0, 1.0, 1.0], [0.135, 0.135, 0.018]]
+)")
+        .def_property_readonly(
+            "media",
+            [](const py::object &self) {
+                py::list out;
+                for (const CroppedMedium &medium : py::cast<const Frame &>(self).media()) {
+                    out.append(py::cast(&medium, py::return_value_policy::reference_internal, self));
+                }
+                return out;
+            },
+            "A list of LitMedium, those that hold any smoke.")
+        .def(
+            "light_map", &light_map, py::arg("light") = 0, py::arg("sample") = 0, py::arg("medium") = 0,
+            py::return_value_policy::reference_internal,
+            R"(The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot meet
+it. Raises ValueError where there is no such light, sample or medium.
+
+>>> import numpy as np
+>>> scene = Scene()
+>>> scene.add_medium(np.ones((4, 4, 4)), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
+>>> scene.add_sun((0, 0, -1), (4, 4, 4))
+>>> Frame(scene, coefficients=7).light_map().coefficients.shape
+(8, 8, 9)
+)")
+        .def_property_readonly("lights", &lights_of,
+                               R"((n, 3, 4) float32: direction and 1 for a sun, else 0; position and
+the square of the light's size, as in falloff() of shaders/lights/light.glsl; strength, and the number of its samples.)")
+        .def_property_readonly("step_length", &Frame::step_length, "Of the march along view rays, in cells.");
+}
+
+} // namespace sfumato

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The Python module. No arithmetic: arguments are checked, work is handed on, results are wrapped.
+#include "module/arguments.hpp"
+#include "module/parts.hpp"
+#include "scene/volume_file.hpp"
+#include "text/kernels.hpp"
+
+namespace sfumato {
+namespace {
+
+using namespace arguments;
+
+py::tuple read_volume_file(const std::string &path, const std::string &grid) {
+    VolumeFile volume;
+    try {
+        const py::gil_scoped_release unlocked;
+        volume = read_volume(path, grid);
+    } catch (const std::runtime_error &error) {
+        throw py::value_error(std::string("path ") + error.what());
+    }
+    const glm::ivec3 n = volume.resolution;
+    return py::make_tuple(to_numpy(std::move(volume.density), {n.z, n.y, n.x}), to_numpy(volume.grid_to_object));
+}
+
+} // namespace
+} // namespace sfumato
+
+PYBIND11_MODULE(sfumato, m) {
+    using namespace sfumato;
+    namespace py = pybind11;
+    m.doc() = "Smoke, its light and its shadow: NumPy arrays in, NumPy arrays out.\n\n"
+              "Metres, Z up, scene-linear RGB. Arrays may be float32 or float64; work is done in float32.\n"
+              "Anything unusable raises ValueError and says which argument it was.";
+    m.attr("instruction_set") = kernels().name;
+    bind_area_light(m);
+    bind_basis(m);
+    bind_map(m);
+    bind_microfacet(m);
+    bind_opacity(m);
+    bind_ray_storage(m);
+
+    m.def(
+        "read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",
+        R"(The active part of a grid of floats in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
+takes cells to the file's own space. Raises ValueError that names the file and the cause.
+
+>>> read_volume("missing.vdb")  # doctest: +ELLIPSIS
+Traceback (most recent call last):
+ValueError: path 'missing.vdb' cannot be read: ...
+)");
+
+    bind_scene(m);
+    bind_reference(m);
+    bind_frame(m);
+}

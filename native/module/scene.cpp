@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scenes and cameras: what Python hands over, checked.
+#include "module/lights.hpp"
+#include "module/parts.hpp"
+#include "scene/camera.hpp"
+#include "text/kernels.hpp"
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <pybind11/stl.h>
+
+namespace sfumato {
+namespace {
+
+using namespace arguments;
+
+// Rows of seven numbers in [0, 1] and an index of refraction.
+std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
+    constexpr py::ssize_t WIDTH = 8;
+    require_shape(array, {count, WIDTH}, "gloss");
+    std::vector<Gloss> out;
+    for (py::ssize_t first = 0; first < array.size(); first += WIDTH) {
+        const float *row = array.data() + first;
+        for (py::ssize_t k = 0; k < WIDTH; ++k) {
+            const bool last = k == WIDTH - 1;
+            if (last ? !is_index(row[k]) : !(row[k] >= 0.0F && row[k] <= 1.0F)) {
+                throw py::value_error("gloss holds " + text(row[k]) + " at flat index " + text(first + k) + "; " +
+                                      (last ? "an index of refraction must be " + std::string(INDEX_RANGE)
+                                            : "every value but the index of refraction must lie between 0 and 1"));
+            }
+        }
+        out.push_back({{row[0], row[1], row[2]}, row[3], row[7], {row[4], row[5]}, row[6] > 0.0F});
+    }
+    return out;
+}
+
+void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
+              const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
+              const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission,
+              const std::optional<Floats> &diffuse_roughness) {
+    require_shape(vertices, {-1, 3}, "vertices");
+    require_shape(triangles, {-1, 3}, "triangles");
+    const py::ssize_t count = triangles.shape(0);
+    require_shape(corner_normals, {count, 3, 3}, "corner_normals");
+    require_shape(material, {count}, "material");
+    require_shape(albedo, {-1, 3}, "albedo");
+    require_finite(vertices, "vertices");
+    require_finite(corner_normals, "corner_normals");
+    require_range(albedo, 0.0F, 1.0F, "albedo");
+    const std::vector<std::uint32_t> corners = indices(triangles, vertices.shape(0), "triangles");
+    Mesh mesh;
+    mesh.material = indices(material, albedo.shape(0), "material");
+    const auto vectors = [](const Floats &array, std::vector<glm::vec3> &out) {
+        const auto *first = reinterpret_cast<const glm::vec3 *>(array.data());
+        out.assign(first, first + array.size() / 3);
+    };
+    vectors(vertices, mesh.vertices);
+    vectors(albedo, mesh.albedo);
+    if (gloss) {
+        mesh.gloss = glosses(*gloss, albedo.shape(0));
+    }
+    if (corner_tangents) {
+        require_shape(*corner_tangents, {count, 3, 3}, "corner_tangents");
+        require_finite(*corner_tangents, "corner_tangents");
+        const auto *tangents = reinterpret_cast<const glm::vec3 *>(corner_tangents->data());
+        for (py::ssize_t i = 0; i < 3 * count; i += 3) {
+            mesh.corner_tangents.push_back({tangents[i], tangents[i + 1], tangents[i + 2]});
+        }
+    }
+    if (emission) {
+        require_shape(*emission, {albedo.shape(0), 3}, "emission");
+        require_range(*emission, 0.0F, 1e30F, "emission");
+        vectors(*emission, mesh.emission);
+    }
+    if (diffuse_roughness) {
+        require_shape(*diffuse_roughness, {albedo.shape(0)}, "diffuse_roughness");
+        require_range(*diffuse_roughness, -1.0F, 1.0F, "diffuse_roughness");
+        mesh.diffuse_roughness.assign(diffuse_roughness->data(), diffuse_roughness->data() + diffuse_roughness->size());
+    }
+    const auto *normals = reinterpret_cast<const glm::vec3 *>(corner_normals.data());
+    for (std::size_t first = 0; first < corners.size(); first += 3) {
+        mesh.triangles.emplace_back(corners[first], corners[first + 1], corners[first + 2]);
+        mesh.corner_normals.push_back({normals[first], normals[first + 1], normals[first + 2]});
+    }
+    scene.meshes.push_back(std::move(mesh));
+}
+
+void add_medium(Scene &scene, const Floats &density, const Doubles &grid_to_world, const Floats &scattering,
+                const Floats &absorption, float anisotropy) {
+    require_shape(density, {-1, -1, -1}, "density");
+    if (density.size() == 0) {
+        throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
+    }
+    constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // the lanes' indices have 32 bits
+    if (density.size() > MOST_CELLS) {
+        throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
+    }
+    require_range(density, 0.0F, 1e30F, "density");
+    if (scene.media.size() == MAX_MEDIA) {
+        throw py::value_error("scene holds " + std::to_string(MAX_MEDIA) + " media, and can hold no more");
+    }
+    Medium medium;
+    require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
+    medium.grid_to_world = glm::mat4(matrix4(grid_to_world, "grid_to_world"));
+    for (int column = 0; column < 4; ++column) {
+        if (medium.grid_to_world[column][3] != (column == 3 ? 1.0F : 0.0F)) {
+            throw py::value_error("grid_to_world holds " + text(medium.grid_to_world[column][3]) + " at flat index " +
+                                  text(12 + column) + "; its last row must be 0, 0, 0, 1");
+        }
+    }
+    const double determinant = glm::determinant(glm::dmat4(medium.grid_to_world));
+    if (!(std::abs(determinant) > 0.0)) {
+        throw py::value_error("grid_to_world flattens the grid: its determinant is 0");
+    }
+    medium.resolution = {density.shape(2), density.shape(1), density.shape(0)};
+    medium.density.assign(density.data(), density.data() + density.size());
+    medium.scattering = vector3(scattering, "scattering");
+    medium.absorption = vector3(absorption, "absorption");
+    require_range(scattering, 0.0F, 1e30F, "scattering");
+    require_range(absorption, 0.0F, 1e30F, "absorption");
+    require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
+    medium.anisotropy = anisotropy;
+    scene.media.push_back(std::move(medium));
+}
+
+glm::vec3 unit_vector(const Floats &array, const std::string &name) {
+    const glm::dvec3 v(vector3(array, name));
+    const double length = glm::length(v);
+    if (!(length > 0.0)) {
+        throw py::value_error(name + " is (0, 0, 0), but must point somewhere");
+    }
+    return glm::vec3(v / length);
+}
+
+glm::vec3 strength_of(const Floats &array, const std::string &name) {
+    require_range(array, 0.0F, 1e30F, name);
+    return vector3(array, name);
+}
+
+glm::vec3 place_of(const Floats &array, const std::string &name) {
+    require_range(array, -1e15F, 1e15F, name);
+    return vector3(array, name);
+}
+
+void add_sun(Scene &scene, const Floats &direction, const Floats &irradiance, float angle) {
+    Light light;
+    light.kind = Light::Kind::SUN;
+    light.direction = unit_vector(direction, "direction");
+    light.strength = strength_of(irradiance, "irradiance");
+    require_range(angle, 0.0F, 3.1415F, "angle");
+    light.angle = angle;
+    scene.lights.push_back(light);
+}
+
+void add_point(Scene &scene, const Floats &position, const Floats &intensity, float radius, const Floats &direction,
+               float cone, float blend, bool facing_disk, bool spot_cosine) {
+    Light light;
+    light.kind = Light::Kind::SPHERE;
+    light.position = place_of(position, "position");
+    light.strength = strength_of(intensity, "intensity");
+    light.direction = unit_vector(direction, "direction");
+    require_range(radius, 0.0F, 1e15F, "radius");
+    require_range(cone, 1e-3F, 6.2831855F, "cone");
+    require_range(blend, 0.0F, 1.0F, "blend");
+    light.radius = radius;
+    light.cone = cone;
+    light.blend = blend;
+    light.facing_disk = facing_disk;
+    light.spot_cosine = spot_cosine;
+    scene.lights.push_back(light);
+}
+
+void add_area(Scene &scene, const Floats &position, const Floats &across, const Floats &up, const Floats &radiance,
+              bool ellipse, float spread) {
+    Light light;
+    light.kind = ellipse ? Light::Kind::ELLIPSE : Light::Kind::RECTANGLE;
+    light.position = place_of(position, "position");
+    light.across = place_of(across, "across");
+    light.up = place_of(up, "up");
+    light.strength = strength_of(radiance, "radiance");
+    const glm::dvec3 x = light.across, y = light.up, normal = glm::cross(x, y);
+    const double edges = glm::length(x) * glm::length(y);
+    if (!(edges > 1e-20)) {
+        throw py::value_error("across and up have lengths " + text(glm::length(x)) + " and " + text(glm::length(y)) +
+                              ": the light has no area");
+    }
+    if (std::abs(glm::dot(x, y)) > 1e-3 * edges) {
+        throw py::value_error("across and up must be at right angles, but the cosine of their angle is " +
+                              text(glm::dot(x, y) / edges));
+    }
+    require_range(spread, 1e-3F, 3.1415928F, "spread");
+    light.direction = glm::vec3(-glm::normalize(normal));
+    light.spread = spread;
+    scene.lights.push_back(light);
+}
+
+void add_polygon(Scene &scene, const Floats &corners, const Floats &radiance) {
+    require_shape(corners, {-1, 3}, "corners");
+    require_range(corners, -1e15F, 1e15F, "corners");
+    const auto count = static_cast<std::size_t>(corners.shape(0));
+    if (count != 3 && count != 4) {
+        throw py::value_error("corners has shape " + shape_of(corners) + ", but a polygon has 3 corners or 4");
+    }
+    Light light;
+    light.kind = Light::Kind::POLYGON;
+    light.strength = strength_of(radiance, "radiance");
+    std::array<glm::dvec3, 4> polygon;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const float *const corner = corners.data() + 3 * std::min(i, count - 1);
+        light.corners[i] = {corner[0], corner[1], corner[2]};
+        polygon[i] = light.corners[i];
+    }
+    require_sound({polygon.data(), count}, "corners", "");
+    scene.lights.push_back(light);
+}
+
+py::array_t<float> corners(const Camera &camera) {
+    std::vector<float> values;
+    for (const auto &plane : {camera.near, camera.far}) {
+        for (const glm::vec3 &v : plane) {
+            values.insert(values.end(), {v.x, v.y, v.z});
+        }
+    }
+    return to_numpy(std::move(values), {6, 3});
+}
+
+} // namespace
+
+void bind_scene(py::module_ &m) {
+    py::class_<Scene>(m, "Scene", R"(Meshes, smoke and lights.
+
+>>> scene = Scene()
+>>> scene.add_sun((0, 0, -1), irradiance=(1, 1, 1), angle=0.0)
+>>> scene.set_background((0.5, 0.5, 0.5))
+)")
+        .def(py::init<>())
+        .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::arg("corner_normals"),
+             py::arg("material"), py::arg("albedo"), py::arg("gloss") = py::none(),
+             py::arg("corner_tangents") = py::none(), py::arg("emission") = py::none(),
+             py::arg("diffuse_roughness") = py::none(),
+             R"(Add triangles that reflect diffusely, and with gloss.
+
+vertices (n, 3), metres in world space; triangles (m, 3), indices into vertices; corner_normals (m, 3, 3), unit
+length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 8): in [0, 1] the reflectance of light
+from straight on (3), 1 where all light is reflected at grazing angles and 0 where it is no more than straight on, GGX's
+alpha along the tangent and across it, both 0 for no gloss, and 1 where masking and shadowing are independent (Smith's
+two G1) and 0 where they go by height (Heitz 2014, eq 99); last, the index of refraction of microfacet_polygon, by which
+reflectance rises between straight on and grazing. corner_tangents (m, 3, 3). emission (k, 3), the radiance in
+W/(m^2 sr) that the surface sends to the eye by itself; what it lights, add_polygon does.
+diffuse_roughness (k,), in [0, 1] that of Burley's diffuse surfaces (2012), -1 for Lambert's, which all are without it.
+Raises ValueError for wrong shapes, indices out of range and values that are not finite or not in range.
+
+>>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])
+)")
+        .def("add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
+             py::arg("absorption"), py::arg("anisotropy") = 0.0F,
+             R"(Add a body of smoke, of which there may be five. Where they overlap, their densities add.
+
+density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; grid_to_world (4, 4) takes
+cells to metres: cell (i, j, k) fills [i, i + 1] and so on; scattering and absorption (3,), per metre and unit
+density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1).
+Raises ValueError for an empty, negative or non-finite density and for a matrix that flattens the grid.
+
+>>> import numpy as np
+>>> Scene().add_medium(np.ones((4, 4, 4)), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
+)")
+        .def("add_sun", &add_sun, py::arg("direction"), py::arg("irradiance"), py::arg("angle") = 0.0F,
+             R"(Add a sun: direction (3,) in which its light travels; irradiance (3,) in W/m^2 on a surface that
+faces it; angle, its angular diameter in radians.
+
+>>> Scene().add_sun((0, 0, -1), (4, 4, 4), angle=0.009)
+)")
+        .def("add_point", &add_point, py::arg("position"), py::arg("intensity"), py::arg("radius") = 0.0F,
+             py::arg("direction") = std::array<float, 3>{0.0F, 0.0F, -1.0F}, py::arg("cone") = 6.2831853F,
+             py::arg("blend") = 0.0F, py::arg("facing_disk") = false, py::arg("spot_cosine") = false,
+             R"(Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
+cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in over the share
+blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere looks as large as a disk of
+its radius that faces the eye, and with spot_cosine a spot dims by the cosine to its axis, too.
+
+>>> Scene().add_point((0, 0, 3), (10, 10, 10), radius=0.1, cone=0.8, blend=0.15)
+)")
+        .def("add_area", &add_area, py::arg("position"), py::arg("across"), py::arg("up"), py::arg("radiance"),
+             py::arg("ellipse") = false, py::arg("spread") = 3.1415927F,
+             R"(Add a rectangle, or the ellipse in it: position (3,) of its middle; across (3,) and up (3,), half its
+axes, at right angles; radiance (3,) in W/(m^2 sr), straight ahead. It shines along cross(up, across), into the whole
+angle spread, radians, in which it fades as 1 - tan(angle) / tan(spread / 2).
+Raises ValueError for a light without area, and for axes that are not at right angles.
+
+>>> Scene().add_area((0, 0, 3), (0.5, 0, 0), (0, 0.5, 0), (4, 4, 4))
+)")
+        .def("add_polygon", &add_polygon, py::arg("corners"), py::arg("radiance"),
+             R"(Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners
+(3, 3) or (4, 3), in turn; radiance (3,) in W/(m^2 sr). It is not seen itself: that is add_mesh's emission.
+Raises ValueError for corners that are not flat and convex, or hold no area.
+
+>>> Scene().add_polygon([[0, 0, 3], [1, 0, 3], [0, 1, 3]], (4, 4, 4))
+)")
+        .def(
+            "set_background",
+            [](Scene &scene, const Floats &radiance) {
+                require_range(radiance, 0.0F, 1e30F, "radiance");
+                scene.background = vector3(radiance, "radiance");
+            },
+            py::arg("radiance"),
+            "Set the radiance (3,) where no surface is. It lights nothing.\n\n"
+            ">>> Scene().set_background((0, 0, 0))\n");
+
+    py::class_<Camera>(m, "Camera", R"(The rays of a projection.
+
+view_projection (4, 4) takes world space to OpenGL's clip space, perspective or orthographic.
+Raises ValueError if it cannot be inverted.
+
+>>> import numpy as np
+>>> Camera(np.eye(4)).corners.shape
+(6, 3)
+)")
+        .def(py::init([](const Doubles &matrix) { return camera_from(matrix4(matrix, "view_projection")); }),
+             py::arg("view_projection"))
+        .def_property_readonly("corners", &corners,
+                               "(6, 3): near0, near_u, near_v, far0, far_u, far_v of shaders/camera.glsl.");
+}
+
+} // namespace sfumato

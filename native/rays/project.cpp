@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The sums over a ray's absorbers, basis by basis, as fast as each allows. Basis::density says what they are sums of.
+#include "rays/basis.hpp"
+#include "text/glsl.hpp"
+#include "text/kernels.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace sfumato {
+namespace {
+
+// Absorbers in lanes. The width of all is the same, so that each harmonic is damped once for the ray.
+void project_harmonics(const Absorbers &absorbers, const Range &range, float width, bool half,
+                       std::span<float> coefficients) {
+    const std::size_t harmonics = half ? coefficients.size() - 1 : coefficients.size() / 2;
+    const std::size_t count = half ? harmonics + 1 : 2 * harmonics + 1;
+    std::array<float, 64> few{};
+    std::vector<float> many(count > few.size() ? count : 0);
+    const std::span<float> sums = many.empty() ? std::span<float>(few).first(count) : std::span<float>(many);
+    const float frequency = half ? 0.5F : 1.0F;
+    kernels().harmonic_sums({absorbers.depth.data(), absorbers.tau.data(), absorbers.depth.size(), range.low,
+                             range.high, half, harmonics, sums.data()});
+    coefficients[0] += half ? sums[0] : 2.0F * sums[0];
+    for (std::size_t k = 1; k <= harmonics; ++k) {
+        const float thickness = width > 0.0F ? glsl::slab_factor(frequency * static_cast<float>(k), width) : 1.0F;
+        glsl::Harmonic sum;
+        if (half) {
+            sum.cosine = sums[k];
+            coefficients[k] += glsl::project_cosine(1.0F, sum, thickness);
+        } else {
+            sum.cosine = sums[2 * k - 1];
+            sum.sine = sums[2 * k];
+            coefficients[2 * k - 1] += glsl::project_cosine(1.0F, sum, thickness);
+            coefficients[2 * k] += glsl::project_sine(1.0F, sum, thickness);
+        }
+    }
+}
+
+// Only the slices that an absorber touches, in units of slices; floor() by conversion. slice_share() says the same.
+void project_slices(const Absorbers &absorbers, const Range &range, float width, std::span<float> coefficients) {
+    const auto n = static_cast<float>(coefficients.size());
+    const float scale = n / std::max(range.high - range.low, 1e-7F), reach = 0.5F * n * width;
+    const bool flat = reach < 5e-4F;
+    const float share = flat ? 1.0F : 0.5F / reach;
+    const auto slice = [n](float x) { return static_cast<std::size_t>(std::clamp(x, 0.0F, n - 0.5F)); };
+    for (std::size_t i = 0; flat && i < absorbers.depth.size(); ++i) {
+        coefficients[slice((absorbers.depth[i] - range.low) * scale)] += absorbers.tau[i];
+    }
+    for (std::size_t i = 0; !flat && i < absorbers.depth.size(); ++i) {
+        const float x = std::clamp((absorbers.depth[i] - range.low) * scale, 0.0F, n), tau = absorbers.tau[i];
+        for (std::size_t k = slice(x - reach), last = slice(x + reach); k <= last; ++k) {
+            const auto front = static_cast<float>(k);
+            coefficients[k] += tau * share * (std::min(x + reach, front + 1.0F) - std::max(x - reach, front));
+        }
+    }
+}
+
+void project_tables(const Series &series, const Absorbers &absorbers, const Range &range, float width,
+                    std::span<float> coefficients) {
+    glsl::DepthRange depths;
+    depths.low = range.low;
+    depths.high = range.high;
+    std::vector<float> f(coefficients.size());
+    for (std::size_t i = 0; i < absorbers.depth.size(); ++i) {
+        series.basis().density(glsl::relative_depth(depths, absorbers.depth[i]), width, f, series.tables);
+        for (std::size_t k = 0; k < f.size(); ++k) {
+            coefficients[k] += absorbers.tau[i] * f[k];
+        }
+    }
+}
+
+} // namespace
+
+void project(const Series &series, const Absorbers &absorbers, const Range &range, std::span<float> coefficients) {
+    const float width = absorbers.width / std::max(range.high - range.low, 1e-7F);
+    switch (series.name) {
+    case FOURIER:
+    case COSINE:
+        project_harmonics(absorbers, range, width, series.name == COSINE, coefficients);
+        break;
+    case PIECEWISE:
+        project_slices(absorbers, range, width, coefficients);
+        break;
+    case LEARNED:
+        project_tables(series, absorbers, range, width, coefficients);
+        break;
+    }
+}
+
+} // namespace sfumato

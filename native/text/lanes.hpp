@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// shaders/*.glsl as C++, as many lanes wide as the instruction set of this translation unit allows.
+//
+// The files that include this one are compiled once per instruction set, each time into a namespace of its own,
+// SFUMATO_ISA; dispatch.cpp chooses among them at run time. Everything here has internal linkage, so that no function
+// compiled for a newer processor can replace its twin in code that runs on every processor.
+#pragma once
+
+#include "text/kernels.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <glm/vec3.hpp>
+#include <xsimd/xsimd.hpp>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+using Real = xsimd::batch<float>;
+using Index = xsimd::batch<std::int32_t>;
+using Mask = xsimd::batch_bool<float>;
+using vec3 = glm::vec<3, Real>;
+constexpr int LANES = static_cast<int>(Real::size);
+
+// Plain functions rather than xsimd's templates, so that a float among lanes converts by itself.
+inline Real abs(Real x) {
+    return xsimd::abs(x);
+}
+inline Real ceil(Real x) {
+    return xsimd::ceil(x);
+}
+inline Real floor(Real x) {
+    return xsimd::floor(x);
+}
+inline Real cos(Real x) {
+    return xsimd::cos(x);
+}
+inline Real sin(Real x) {
+    return xsimd::sin(x);
+}
+inline Real log(Real x) {
+    return xsimd::log(x);
+}
+inline Real sqrt(Real x) {
+    return xsimd::sqrt(x);
+}
+// The processor's estimate and one step of Newton's: a few units in the last place, at a quarter of the exact price.
+inline Real inversesqrt(Real x) {
+#ifdef __AVX512F__
+    const Real y = _mm512_rsqrt14_ps(x); // xsimd 8 names an instruction that does not exist
+#else
+    const Real y = xsimd::rsqrt(x);
+#endif
+    return y * (1.5F - 0.5F * x * y * y);
+}
+// Of numbers that are neither 0 nor infinite, likewise.
+inline Real reciprocal(Real x) {
+#ifdef __AVX512F__
+    const Real y = _mm512_rcp14_ps(x);
+#else
+    const Real y = xsimd::reciprocal(x);
+#endif
+    return y * (2.0F - x * y);
+}
+inline Real min(Real a, Real b) {
+    return xsimd::min(a, b);
+}
+inline Real max(Real a, Real b) {
+    return xsimd::max(a, b);
+}
+inline Real clamp(Real x, Real low, Real high) {
+    return xsimd::min(xsimd::max(x, low), high);
+}
+inline Real pick(Mask condition, Real a, Real b) {
+    return xsimd::select(condition, a, b);
+}
+inline bool any_lane(Mask condition) {
+    return xsimd::any(condition);
+}
+inline Real exp(Real x) {
+    return xsimd::exp(x);
+}
+inline Real pow(Real x, Real y) {
+    return xsimd::pow(x, y);
+}
+inline Real dot(vec3 a, vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline vec3 cross(vec3 a, vec3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline vec3 pick(Mask condition, const vec3 &a, const vec3 &b) {
+    return {pick(condition, a.x, b.x), pick(condition, a.y, b.y), pick(condition, a.z, b.z)};
+}
+
+// xsimd's own takes several branches and computes them all. Of the smaller over the larger, a polynomial t P(t^2): our
+// fit by least squares with Lawson's weights, 1e-9 before rounding. (0, 0) gives 0.
+inline Real atan(Real y, Real x) {
+    constexpr float P[] = {0.999999981F,   -0.333331802F, 0.199964341F,   -0.142472045F,  0.108779404F,
+                           -0.0821360064F, 0.0550257995F, -0.0284887934F, 0.00956639632F, -0.00150911243F};
+    const Real ax = abs(x), ay = abs(y);
+    const Real t = min(ax, ay) / max(max(ax, ay), 1e-37F), t2 = t * t;
+    Real sum = P[9];
+    for (int k = 8; k >= 0; --k) {
+        sum = xsimd::fma(sum, t2, Real(P[k]));
+    }
+    const Real steep = pick(ay > ax, 1.57079632679489662F - t * sum, t * sum);
+    const Real turned = pick(x < 0.0F, 3.14159265358979324F - steep, steep);
+    return xsimd::copysign(turned, y);
+}
+
+// A power series where the quotient's logarithm would cancel.
+inline Real atanh(Real x) {
+    const Real x2 = x * x;
+    const Real series =
+        x * (1.0F + x2 * (1.0F / 3.0F + x2 * (0.2F + x2 * (1.0F / 7.0F + x2 * (1.0F / 9.0F + x2 * (1.0F / 11.0F))))));
+    return pick(x2 < 0.04F, series, 0.5F * log((1.0F + x) / max(1.0F - x, 1e-37F)));
+}
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#define float Real
+#include "text/glsl_text.inc"
+#undef float
+#pragma GCC diagnostic pop
+
+// 0, 1, 2, ... : the number of each lane.
+inline Real lane_numbers() {
+    alignas(64) float numbers[LANES];
+    for (int lane = 0; lane < LANES; ++lane) {
+        numbers[lane] = static_cast<float>(lane);
+    }
+    return Real::load_aligned(numbers);
+}
+
+// xsimd 8 has no horizontal minimum yet.
+inline float lowest(Real x) {
+    alignas(64) float lanes[LANES];
+    x.store_aligned(lanes);
+    return *std::min_element(lanes, lanes + LANES);
+}
+
+inline float highest(Real x) {
+    return -lowest(-x);
+}
+
+// xsimd 8 means to use the processor's own instruction, but never matches its own overload and inserts one lane after
+// another. With sixteen lanes that was most of a frame's light maps. With eight the instruction gains a fifth, and
+// where microcode guards it (Intel, 2023) it is slow, so there it stays as it is.
+inline Real gather(const float *source, Index index) {
+#ifdef __AVX512F__
+    return _mm512_i32gather_ps(index, source, sizeof(float));
+#else
+    return Real::gather(source, index);
+#endif
+}
+inline Index truncate(Real x) {
+    return xsimd::to_int(x);
+}
+inline vec3 broadcast(const glm::vec3 &v) {
+    return {Real(v.x), Real(v.y), Real(v.z)};
+}
+
+inline vec3 transform_point(const Affine &m, const vec3 &p) {
+    return {p.x * m.rows[0][0] + p.y * m.rows[0][1] + p.z * m.rows[0][2] + m.rows[0][3],
+            p.x * m.rows[1][0] + p.y * m.rows[1][1] + p.z * m.rows[1][2] + m.rows[1][3],
+            p.x * m.rows[2][0] + p.y * m.rows[2][1] + p.z * m.rows[2][2] + m.rows[2][3]};
+}
+
+inline vec3 transform_vector(const Affine &m, const vec3 &v) {
+    return {v.x * m.rows[0][0] + v.y * m.rows[0][1] + v.z * m.rows[0][2],
+            v.x * m.rows[1][0] + v.y * m.rows[1][1] + v.z * m.rows[1][2],
+            v.x * m.rows[2][0] + v.y * m.rows[2][1] + v.z * m.rows[2][2]};
+}
+
+} // namespace
+} // namespace sfumato::SFUMATO_ISA

@@ -1,0 +1,345 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The smoke in the viewport: the same picture as on the CPU, and an overlay that leaves nothing behind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import bpy
+import harness
+import numpy as np
+import screen
+import sfumato
+from mathutils import Matrix, Quaternion
+from sfumato import log
+from sfumato.export import scene
+from sfumato.view import viewport
+
+SIZE = (320, 180)
+# Of images whose mean is near one. What llvmpipe shows is the rounding of half floats: 3.5e-4 and 1e-3. The largest
+# leaves room for hardware, which interpolates with weights of 8 bits.
+TOLERANCE, LARGEST = 1e-3, 1e-2
+
+
+def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True) -> Any:
+    """Two puffs of noise, with clear air between, in front of the sky and over a floor; a table stands in the upper.
+    With lamps, a wide sun, a spot and an area light too, and a second body of smoke that overlaps the first."""
+    noise = np.random.default_rng(7).random((20, 24, 28), dtype=np.float32)
+    z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in noise.shape), indexing="ij")
+    puffs = [np.sqrt((x - s * 0.6) ** 2 + (y - s * 0.6) ** 2 + (z - s * 0.5) ** 2) for s in (-1.0, 1.0)]
+    density = 2.0 * np.maximum(0.0, 0.45 - np.minimum(*puffs)) * noise
+    grid_to_world = np.diag([0.1, 0.1, 0.12, 1.0])
+    grid_to_world[:3, 3] = -1.4, -1.2, 0.2
+    made = sfumato.Scene()
+    scattering = (8.0, 12.0, 18.0) if coloured else (12.0, 12.0, 12.0)
+    if smoke:
+        made.add_medium(density, grid_to_world, scattering, absorption=(1.0, 1.0, 1.0), anisotropy=0.4)
+    made.add_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
+    made.set_background((0.3, 0.4, 0.6))
+    for corners, normal in (
+        ([(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)], (0, 0, 1)),
+        ([(0, 0, 1.9), (1.4, 0, 1.9), (1.4, 1.2, 1.9), (0, 1.2, 1.9)], (0, 0, 1)),
+    ):
+        made.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], [[normal] * 3] * 2, [0, 0], [(0.7, 0.6, 0.5)])
+    if lamps:
+        made.add_sun((-0.2, 0.6, -1.0), (2.0, 2.0, 3.0), angle=0.3)
+        made.add_point((1.5, -1.0, 3.0), (9.0, 5.0, 3.0), direction=(-0.4, 0.4, -1.0), cone=1.0, blend=0.4)
+        made.add_area((-2.0, 0.5, 2.5), (0.4, 0.0, 0.4), (0.0, 0.5, 0.0), (6.0, 8.0, 9.0), spread=2.5)
+        grid_to_world[:3, 3] = 0.2, -0.2, 1.4
+        made.add_medium(density[::2, ::-1], grid_to_world, scattering, absorption=(1.0, 1.0, 1.0))
+    return sfumato.Frame(made, coefficients=15, light_samples=4)
+
+
+def look(perspective: bool, **kind: bool) -> viewport.Look:
+    """From beside the cloud, with floor and sky in the picture."""
+    near, far = 0.1, 50.0
+    if perspective:
+        projection = Matrix(((1.5, 0, 0, 0), (0, 2.7, 0, 0),
+                             (0, 0, (far + near) / (near - far), 2 * far * near / (near - far)), (0, 0, -1, 0)))  # fmt: skip
+    else:
+        projection = Matrix.Diagonal((0.3, 0.55, 2.0 / (near - far), 1.0))
+        projection[2][3] = (far + near) / (near - far)
+    eye = Matrix.Translation((3.0, -4.5, 3.0)) @ Matrix.Rotation(0.6, 4, "Z") @ Matrix.Rotation(1.3, 4, "X")
+    values = tuple(value for row in projection @ eye.inverted() for value in row)
+    return viewport.Look(values, SIZE, **kind)
+
+
+def assert_same(name: str, gpu: Any, cpu: Any) -> None:
+    error = np.abs(gpu - cpu)
+    rmse = float(np.sqrt(np.mean(error * error)))
+    print(f"  {name}: RMSE {rmse:.2e}, largest {error.max():.2e}, mean of the image {cpu.mean():.3f}")
+    assert rmse <= TOLERANCE and error.max() <= LARGEST
+
+
+def test_gpu_and_cpu_make_the_same_picture() -> None:
+    for coloured, lamps in ((False, False), (True, False), (False, True), (True, True)):
+        frame = synthetic_frame(coloured, lamps)
+        for perspective in (True, False):
+            seen = look(perspective)
+            cpu = frame.render(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, edge_samples=1)
+            picture = viewport.Painter().picture("test", frame, seen)
+            gpu = screen.read(picture.buffer, 0, SIZE)
+            assert (cpu[..., 3] < 1.0).any() and (cpu[..., 3] == 1.0).any(), "the picture lacks sky or floor"
+            name = f"{'coloured' if coloured else 'grey'}{', lamps' if lamps else ''}, "
+            name += "perspective" if perspective else "orthographic"
+            assert_same(name, gpu, cpu)
+
+
+def test_overlay_is_the_picture_taken_apart() -> None:
+    """Transmittance times the surfaces, plus radiance, is the picture again: where the sun alone lights a surface, the
+    overlay's share of shadow is all of it."""
+    for coloured in (False, True):
+        frame = synthetic_frame(coloured)
+        seen = look(True, overlay=True, solids_shade=True)
+        camera = sfumato.Camera(np.reshape(seen.matrix, (4, 4)))
+        picture = viewport.Painter().picture("test", frame, seen)
+        radiance, transmittance = (screen.read(picture.buffer, slot, SIZE) for slot in (0, 1))
+        surfaces = synthetic_frame(coloured, smoke=False).surfaces(camera, *SIZE)
+        cpu = frame.render(camera, *SIZE, edge_samples=1)
+        sky = transmittance[..., 3] == 0.0
+        rebuilt = radiance[..., :3] + transmittance[..., :3] * surfaces[..., :3]
+        assert_same("before the sky", rebuilt[sky], cpu[..., :3][sky])
+        # A surface keeps the light that is not the sun's.
+        assert (rebuilt[~sky] >= cpu[..., :3][~sky] - 4e-3).all()
+        assert (rebuilt[~sky] > cpu[..., :3][~sky] + 0.05).any()
+
+
+def plume(shading: str) -> tuple[Any, bpy.types.Object]:
+    """The sample at frame 25, seen by its camera, with nothing else in the viewport: the viewport and the smoke."""
+    smoke = harness.open_plume(25)
+    space = screen.prepare(shading)
+    space.region_3d.view_perspective = "CAMERA"
+    return space, smoke
+
+
+@contextmanager
+def counted_exports() -> Iterator[list[int]]:
+    """How often the overlay reads the scene."""
+    count = [0]
+    original = scene.export
+
+    def export(depsgraph: Any) -> scene.Export:
+        count[0] += 1
+        return original(depsgraph)
+
+    scene.export = export
+    try:
+        yield count
+    finally:
+        scene.export = original
+
+
+def shaded_and_sunny(smoke: bpy.types.Object) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Two pixels (row, column) of surfaces in the sun and beside the smoke: in its shadow, and out of it."""
+    _window, _area, region = screen.viewport()
+    size = region.width, region.height
+    matrix = screen.view_matrix()
+    frame = sfumato.Frame(scene.export(bpy.context.evaluated_depsgraph_get()).scene)
+    camera = sfumato.Camera(matrix)
+    surfaces = frame.surfaces(camera, *size)
+    # In the sun but for the smoke: some of its light arrives, or the smoke takes it.
+    smoke_shadow = frame.surfaces(camera, *size, output="smoke_shadow")
+    sunny = np.maximum(surfaces, smoke_shadow)[..., :3].max(-1) > 0.1
+    corners = matrix @ np.array(smoke.matrix_world) @ np.array([(*corner, 1.0) for corner in smoke.bound_box]).T
+    columns, rows = ((corners[axis] / corners[3] * 0.5 + 0.5) * size[axis] for axis in (0, 1))
+
+    best: dict[str, tuple[float, tuple[int, int]]] = {"dark": (2.0, (0, 0)), "bright": (-1.0, (0, 0))}
+    inverse = np.linalg.inv(matrix)
+    for row in range(2, size[1], 4):
+        for column in range(2, size[0], 4):
+            beside = not (rows.min() < row < rows.max() and columns.min() < column < columns.max())
+            if not beside or not sunny[row, column]:
+                continue
+            ndc = 2.0 * (column + 0.5) / size[0] - 1.0, 2.0 * (row + 0.5) / size[1] - 1.0
+            near, far = (inverse @ (*ndc, depth, 1.0) for depth in (-1.0, 1.0))
+            near, far = near[:3] / near[3], far[:3] / far[3]
+            along = (far - near) / np.linalg.norm(far - near)
+            through = float(frame.transmittance(near + along * surfaces[row, column, 3])[0])
+            best["dark"] = min(best["dark"], (through, (row, column)))
+            best["bright"] = max(best["bright"], (through, (row, column)))
+    assert best["dark"][0] < 0.3 and best["bright"][0] > 0.99, best
+    return best["dark"][1], best["bright"][1]
+
+
+def test_overlay_darkens_the_shadow_and_leaves_no_trace() -> Iterator[None]:
+    _space, smoke = plume("SOLID")
+    settings = bpy.context.scene.sfumato
+    with screen.watched() as seen:
+        settings.viewport_enabled = False
+        yield from screen.drawn(seen)
+        without = seen[-1]
+        settings.viewport_enabled = True
+        yield from screen.drawn(seen)
+        with_smoke = seen[-1]
+        settings.viewport_enabled = False
+        yield from screen.drawn(seen)
+        again = seen[-1]
+    dark, bright = shaded_and_sunny(smoke)
+    print(f"  shadow {with_smoke[0][dark][0] / without[0][dark][0]:.3f} of what it was, beside it "
+          f"{with_smoke[0][bright][0] / without[0][bright][0]:.3f}")  # fmt: skip
+    assert (with_smoke[0][dark][:3] < 0.7 * without[0][dark][:3]).all()
+    assert np.allclose(with_smoke[0][bright][:3], without[0][bright][:3], rtol=5e-3)
+    for before, after in zip(without, again):
+        assert np.array_equal(before, after), "switching the overlay off must restore every pixel"
+    assert not log.notices(), log.notices()
+
+
+def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes() -> Iterator[None]:
+    space, _smoke = plume("SOLID")
+    view = space.region_3d
+    with screen.watched() as seen, counted_exports() as exports:
+        view.view_perspective = "PERSP"
+        view.view_distance, view.view_location = 9.0, (0.5, 0.0, 1.2)
+        yield from screen.drawn(seen)
+        first, read_first = seen[-1][0], exports[0]
+        assert read_first >= 1
+        yield from screen.drawn(seen)
+        assert np.array_equal(seen[-1][0], first)
+        view.view_rotation = Quaternion((0.0, 0.0, 1.0), 0.4) @ view.view_rotation
+        yield from screen.drawn(seen)
+        assert np.abs(seen[-1][0] - first).max() > 0.1, "the smoke must move with the view"
+        view.view_perspective = "ORTHO"
+        yield from screen.drawn(seen)
+        bpy.data.objects["Ball"].select_set(True)
+        yield from screen.drawn(seen)
+        assert exports[0] == read_first, "neither a view nor a selection changes the smoke"
+        still = seen[-1][0]
+        bpy.context.scene.frame_set(12)
+        yield from screen.drawn(seen)
+        assert exports[0] == read_first + 1
+        if not harness.MANTAFLOW_ABORTS:  # else it is a still
+            assert np.abs(seen[-1][0] - still).max() > 0.1, "the smoke must move with time"
+        bpy.data.objects["Sun"].data.energy *= 2.0
+        yield from screen.drawn(seen)
+        assert exports[0] == read_first + 2
+    assert not log.notices(), log.notices()
+
+
+def test_a_failure_is_said_once_and_blender_goes_on_drawing() -> Iterator[None]:
+    plume("SOLID")
+    original, calls = scene.export, []
+
+    def export(depsgraph: Any) -> scene.Export:
+        calls.append(depsgraph)
+        raise ValueError("a test broke the scene")
+
+    with screen.watched() as seen:
+        yield from screen.drawn(seen)
+        good = seen[-1][0]
+        scene.export = export
+        try:
+            bpy.data.objects["Sun"].data.energy *= 2.0
+            for _ in range(3):
+                yield from screen.drawn(seen)
+            assert len(calls) == 1, f"{len(calls)} attempts at one broken scene"
+            assert any("a test broke the scene" in line for line in log.notices()), log.notices()
+        finally:
+            scene.export = original
+        bpy.data.objects["Sun"].data.energy /= 2.0
+        yield from screen.drawn(seen)
+        assert np.array_equal(seen[-1][0], good)
+    assert not log.notices(), log.notices()
+
+
+def test_undo_and_another_file() -> Iterator[None]:
+    plume("SOLID")
+    with screen.watched() as seen:
+        yield from screen.drawn(seen)
+        sun = bpy.data.objects["Sun"].data
+        bpy.ops.ed.undo_push(message="before")
+        bright = seen[-1][0]
+        sun.energy *= 0.25
+        bpy.ops.ed.undo_push(message="dim")
+        yield from screen.drawn(seen)
+        assert np.abs(seen[-1][0] - bright).max() > 0.1
+        bpy.ops.ed.undo()
+        yield from screen.drawn(seen)
+        assert np.abs(seen[-1][0] - bright).max() < 1e-3, "undo must bring the light back"
+        bpy.ops.wm.read_homefile(use_factory_startup=True)
+        yield from screen.drawn(seen)
+    assert not [line for line in log.notices() if "cannot be drawn" in line], log.notices()
+
+
+def test_enable_and_disable_may_be_repeated() -> Iterator[None]:
+    plume("SOLID")
+    with screen.watched() as seen:
+        yield from screen.drawn(seen)
+        good = seen[-1][0]
+        viewport.disable()
+        viewport.disable()
+        yield from screen.drawn(seen)
+        bare = seen[-1][0]
+        assert np.abs(good - bare).max() > 0.1
+    viewport.enable()
+    viewport.enable()
+    with screen.watched() as seen:
+        yield from screen.drawn(seen)
+        assert np.array_equal(seen[-1][0], good), "drawn twice?"
+
+
+def test_every_view_of_a_quad_view_has_its_smoke() -> Iterator[None]:
+    plume("SOLID")
+    window, area, region = screen.viewport()
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.ops.screen.region_quadview()
+    try:
+        with screen.watched() as seen:
+            yield from screen.drawn(seen, 4)  # Blender may still be dividing the view
+            bpy.context.scene.sfumato.viewport_enabled = False
+            yield from screen.drawn(seen, 4)
+            without = seen[-4:]
+            bpy.context.scene.sfumato.viewport_enabled = True
+            yield from screen.drawn(seen, 4)
+            for before, after in zip(without, seen[-4:]):
+                assert np.abs(after[0] - before[0]).max() > 0.05
+    finally:
+        window, area, region = screen.viewport()
+        with bpy.context.temp_override(window=window, area=area, region=region):
+            bpy.ops.screen.region_quadview()
+        yield
+
+
+def test_two_windows() -> Iterator[None]:
+    plume("SOLID")
+    window, area, region = screen.viewport()
+    with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
+        bpy.ops.wm.window_new()
+    second = bpy.context.window_manager.windows[-1]
+    try:
+        with screen.watched() as seen:
+            for enabled in (False, True):
+                bpy.context.scene.sfumato.viewport_enabled = enabled
+                yield from screen.drawn(seen, 4)
+                shapes = {picture.shape for picture, _ in seen[-2:]}
+                if not enabled:
+                    without = {picture.shape: picture for picture, _ in seen[-2:]}
+            assert len(shapes) == 2, f"two windows of different sizes, drawn in turn: {shapes}"
+            for picture, _ in seen[-2:]:
+                assert np.abs(picture - without[picture.shape]).max() > 0.1
+    finally:
+        with bpy.context.temp_override(window=second):
+            bpy.ops.wm.window_close()
+        yield
+    assert not log.notices(), log.notices()
+
+
+def test_rendered_view_is_scene_linear() -> Iterator[None]:
+    """Before Blender's view transform, the Rendered view holds the radiance that the CPU computes."""
+    space, _smoke = plume("RENDERED")
+    bpy.context.scene.render.engine = "SFUMATO"
+    with screen.watched() as seen:
+        yield from screen.drawn(seen)
+        shown = seen[-1][0]
+    quality = sfumato.props.QUALITIES[bpy.context.scene.sfumato.quality]
+    frame = sfumato.Frame(scene.export(bpy.context.evaluated_depsgraph_get()).scene, **quality.frame)
+    height, width = shown.shape[:2]
+    cpu = frame.render(sfumato.Camera(screen.view_matrix()), width, height, edge_samples=quality.edge_samples)
+    assert space.shading.type == "RENDERED" and cpu[..., 0].max() > 0.2
+    assert_same("plume", shown[..., :3], cpu[..., :3])
+    assert (shown[..., 3] == 1.0).all()
+    assert not log.notices(), log.notices()
+
+
+harness.main()

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rules of dependency and of the shared shader text, grepped.
+
+Each rule comes with a breach, a line that it must catch in a file that it must look at: a rule that catches nothing
+would pass for ever.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDERS = ("addon", "blend_samples", "native", "shaders", "tests", ".ci")
+CODE = {".cpp", ".hpp", ".inc", ".glsl", ".py", ".sh", ""}
+NOT_OURS = {"__pycache__", "plume_cache", "out", "goldens"}
+
+
+@dataclass(frozen=True)
+class Rule:
+    """No code (comments and Python's docstrings aside) in files that match `where` but not `home` matches `never`."""
+
+    name: str
+    where: str
+    home: str
+    never: str
+    breach: tuple[str, str]  # file, line
+
+
+NOWHERE = r"(?!)"  # matches no file
+ANY_FLOAT = r"(?:\d+\.\d*|\.\d+)(?:[eE][+-]?\d+)?|\d+[eE][+-]?\d+"
+
+RULES = [
+    Rule("one home for Blender's version", r"addon/", r"addon/compat\.py", r"bpy\.app\.version",
+         ("addon/export/smoke.py", "if bpy.app.version >= (4, 0, 0):")),
+    Rule("one home for the GPU", r"addon/", r"addon/(gpu|view)/", r"^\s*(import|from) gpu",
+         ("addon/engine.py", "    import gpu")),
+    # At the top of the file it would break background mode in some Blenders: reference, section 3.
+    Rule("the GPU is imported late", r"addon/", NOWHERE, r"^(import|from) gpu", ("addon/engine.py", "import gpu")),
+    Rule("one home for pybind11", r"native/", r"native/module", r"pybind11",
+         ("native/frame/frame.cpp", "#include <pybind11/numpy.h>")),
+    Rule("one home for OpenImageIO", r"native/", r"native/scene/image\.", r"OpenImageIO|OIIO",
+         ("native/frame/frame.cpp", "#include <OpenImageIO/imageio.h>")),
+    Rule("native knows no Blender", r"native/", NOWHERE, r"(?i)\bbpy\b|blender",
+         ("native/scene/scene.hpp", "struct BlenderObject;")),
+    Rule("methods do not know the module", r"native/", r"native/module", r'#include "module/',
+         ("native/frame/frame.cpp", '#include "module/arguments.hpp"')),
+    Rule("methods do not know the reference", r"native/", r"native/(module|reference)", r'#include "reference/',
+         ("native/maps/light_map.cpp", '#include "reference/reference.hpp"')),
+    Rule("the reference knows the scene alone", r"native/reference", NOWHERE, r'#include "(?!scene/scene\.hpp|reference/)',
+         ("native/reference/reference.cpp", '#include "text/glsl.hpp"')),
+    Rule("the reference includes no shader", r"native/reference", NOWHERE, r"\.glsl|glsl_text",
+         ("native/reference/medium.cpp", '#include "../../shaders/media/phase.glsl"')),
+    Rule("inputs and outputs are the viewport's", r"shaders/", r"shaders/viewport/",
+         r"^\s*(in|out)\s|\b(uniform|layout)\b|sampler|gl_", ("shaders/media/phase.glsl", "uniform sampler3D density;")),
+    Rule("results by return value", r"shaders/", r"shaders/viewport/", r"\b(in)?out\s+\w",
+         ("shaders/media/phase.glsl", "float phase(float g, out float norm)")),
+    Rule("float literals end in f", r"shaders/", r"shaders/viewport/", rf"(?<![\w.])({ANY_FLOAT})(?![\d.eEf])",
+         ("shaders/media/phase.glsl", "return 0.5 * g;")),
+    Rule("no swizzles", r"shaders/", r"shaders/viewport/", r"\.[xyzwrgba]{2,4}\b",
+         ("shaders/camera.glsl", "vec2 p = ray.origin.xy;")),
+]  # fmt: skip
+NAMES = [rule.name for rule in RULES]
+
+
+def sources() -> Iterator[Path]:
+    yield ROOT / "CMakeLists.txt"
+    for folder in FOLDERS:
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.is_file() and path.suffix in CODE and not NOT_OURS & set(path.parts):
+                yield path
+
+
+def bare(text: str, suffix: str) -> str:
+    """The text without comments and docstrings; line numbers stay."""
+
+    def blank(match: re.Match[str]) -> str:
+        return "\n" * match[0].count("\n")
+
+    if suffix == ".py":
+        return re.sub(r'"""[\s\S]*?"""|#.*', blank, text)
+    return re.sub(r"/\*[\s\S]*?\*/|//.*", blank, text)
+
+
+def offences(rule: Rule, name: str, text: str) -> list[str]:
+    if not re.match(rule.where, name) or re.match(rule.home, name):
+        return []
+    lines = bare(text, Path(name).suffix).splitlines()
+    return [f"{name}:{number}: {line}" for number, line in enumerate(lines, 1) if re.search(rule.never, line)]
+
+
+@pytest.mark.parametrize("rule", RULES, ids=NAMES)
+def test_rule_holds(rule: Rule) -> None:
+    found: list[str] = []
+    for path in sources():
+        found += offences(rule, path.relative_to(ROOT).as_posix(), path.read_text())
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize("rule", RULES, ids=NAMES)
+def test_rule_catches_its_breach(rule: Rule) -> None:
+    assert offences(rule, *rule.breach)
+    assert (ROOT / rule.breach[0]).exists(), "the breach should be in a file that is there"
+
+
+def test_every_source_states_its_licence() -> None:
+    silent = [
+        str(path) for path in sources() if "SPDX-License-Identifier: GPL-3.0-or-later" not in path.read_text()[:200]
+    ]
+    assert not silent
