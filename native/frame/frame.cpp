@@ -267,13 +267,20 @@ std::vector<CroppedMedium> cropped(std::span<const Medium> media) {
 
 } // namespace
 
-Frame::Frame(const Scene &scene, const FrameSettings &settings, const Kernels &with)
-    : kernels_(&with), surfaces_(scene.meshes), step_length_(1.0 / settings.steps_per_cell),
-      media_(cropped(scene.media)),
-      grey_(std::all_of(media_.begin(), media_.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
-      lighting_(scene.lights, media_, surfaces_.view(),
-                {{settings.coefficients, settings.texels_per_cell}, settings.light_samples}, grey_, with),
-      background_(scene.background) {}
+Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<Prepared> prepared, const Kernels &with)
+    : kernels_(&with), prepared_(std::move(prepared)), step_length_(1.0 / settings.steps_per_cell),
+      background_(scene.background) {
+    const std::lock_guard making(prepared_->making);
+    prepared_->arena.execute([&] {
+        surfaces_.emplace(scene.meshes, prepared_->solids);
+        media_ = cropped(scene.media);
+        grey_ = std::all_of(media_.begin(), media_.end(), [](const CroppedMedium &medium) { return medium.grey(); });
+        lighting_ = Lighting(scene.lights, media_, *surfaces_,
+                             {{settings.coefficients, settings.texels_per_cell}, settings.light_samples}, grey_, with,
+                             prepared_->lights);
+    });
+    prepared_->end_round();
+}
 
 FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) const {
     FrameView view;
@@ -281,7 +288,7 @@ FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) c
         view.camera[i] = camera.near[i];
         view.camera[3 + i] = camera.far[i];
     }
-    view.surfaces = surfaces_.view();
+    view.surfaces = surfaces_->view();
     view.lights = lighting_.views();
     view.media = media;
     view.grey = grey_;
@@ -291,16 +298,18 @@ FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) c
 
 std::optional<std::vector<float>> Frame::render(const Camera &camera, int width, int height, int edge_samples,
                                                 const Progress &progress) const {
-    const std::vector<MediumView> media = views_of(media_, step_length_);
-    std::optional<Image> image =
-        traced(*kernels_, view(camera, media), Output::PICTURE, width, height, edge_samples, progress);
+    const MediaViews media = views_of(media_, step_length_);
+    std::optional<Image> image = prepared_->arena.execute([&] {
+        return traced(*kernels_, view(camera, media.views), Output::PICTURE, width, height, edge_samples, progress);
+    });
     return image ? std::optional(std::move(image->rgba)) : std::nullopt;
 }
 
 std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int width, int height, Output output,
                                                   int edge_samples, const Progress &progress) const {
-    const std::vector<MediumView> media = views_of(media_, step_length_);
-    std::optional<Image> image = traced(*kernels_, view(camera, media), output, width, height, edge_samples, progress);
+    const MediaViews media = views_of(media_, step_length_);
+    std::optional<Image> image = prepared_->arena.execute(
+        [&] { return traced(*kernels_, view(camera, media.views), output, width, height, edge_samples, progress); });
     if (!image) {
         return std::nullopt;
     }
@@ -320,7 +329,7 @@ void Frame::transmittance(std::size_t light, std::span<const float> points, std:
             if (map == nullptr) {
                 continue;
             }
-            map->look_up(points, columns);
+            prepared_->arena.execute([&] { map->look_up(points, columns); });
             for (std::size_t i = 0; i < depth.size(); ++i) {
                 depth[i] += columns[i / 3] * media_[m].extinction[static_cast<int>(i % 3)];
             }

@@ -2,12 +2,14 @@
 // A frame on the CPU: light maps, surfaces, smoke, film. A stage that the scene does not need does not run.
 #pragma once
 
+#include "frame/prepared.hpp"
 #include "maps/lighting.hpp"
 #include "media/medium.hpp"
 #include "scene/scene.hpp"
 #include "solids/surfaces.hpp"
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,7 +29,11 @@ using Progress = std::function<bool(double)>;
 // Everything about a scene that does not depend on the camera.
 class Frame {
 public:
-    Frame(const Scene &scene, const FrameSettings &settings, const Kernels &with = kernels());
+    // What `prepared` has of an earlier frame is not made again.
+    Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<Prepared> prepared,
+          const Kernels &with = kernels());
+    Frame(const Scene &scene, const FrameSettings &settings, const Kernels &with = kernels())
+        : Frame(scene, settings, std::make_shared<Prepared>(), with) {}
 
     // Premultiplied RGBA, row 0 at the bottom, filtered as Cycles filters by default. Pixels in which surfaces or
     // their shadows change are sampled `edge_samples` times, the others once. Nothing if progress said stop.
@@ -51,12 +57,13 @@ private:
     [[nodiscard]] FrameView view(const Camera &camera, std::span<const MediumView> media) const;
 
     const Kernels *kernels_;
-    Surfaces surfaces_;
+    std::shared_ptr<Prepared> prepared_;
     double step_length_;
-    std::vector<CroppedMedium> media_; // those that are not empty
-    bool grey_;
-    Lighting lighting_;
     glm::vec3 background_;
+    std::optional<Surfaces> surfaces_;
+    std::vector<CroppedMedium> media_; // those that are not empty
+    bool grey_ = true;
+    Lighting lighting_;
 };
 
 } // namespace sfumato

@@ -33,14 +33,13 @@ Crossing crossing_of(const MediumView &medium, const Ray &ray, Real distance) {
 template <int Colours>
 void scatter(const FrameView &frame, const MediumView &medium, const Cell &cell, const Ray &ray, Real t,
              const Real *scattering, const Real *tau, const Real *tau_eye, Smoke &smoke) {
-    const GridView light_grid = medium.light;
-    const Cell light_cell{cell.first * Index(light_grid.channels), cell.x, cell.y, cell.z};
+    GridView volume = medium.density;
+    volume.channels = medium.light_channels;
+    const Cell light_cell{cell.first * Index(volume.channels), cell.x, cell.y, cell.z};
     const vec3 world = ray.origin + ray.direction * t;
-    std::ptrdiff_t skip = 0;
-    for (const LightView &light : frame.lights) {
-        GridView volume = light_grid;
-        volume.values += skip;
-        skip += medium.next_light;
+    for (std::size_t i = 0; i < frame.lights.size(); ++i) {
+        const LightView &light = frame.lights[i];
+        volume.values = medium.light[i];
         Real incoming = sample(volume, light_cell, Colours);
         Real cosine;
         if (light.kind == Light::Kind::SUN) {

@@ -8,6 +8,11 @@
 #include "solids/embree.hpp"
 #include "text/lanes.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
@@ -52,6 +57,68 @@ void set_rays(R &rays, const vec3 &origin, const vec3 &direction, Real near_t, R
     }
 }
 
+// What a hit on one triangle tells, in the world; vectors of any length.
+struct Corners {
+    float normal[3] = {0.0F, 0.0F, 1.0F};
+    float face[3] = {0.0F, 0.0F, 1.0F};
+    float tangent[3] = {0.0F, 0.0F, 0.0F}; // 0 where the shape has none
+    std::int32_t material = 0;
+};
+
+// By the columns of a matrix. An object without thickness has no normals; then any will do.
+inline void turn(const float (&m)[9], const float (&v)[3], float (&out)[3]) {
+    for (int axis = 0; axis < 3; ++axis) {
+        out[axis] = m[axis] * v[0] + m[3 + axis] * v[1] + m[6 + axis] * v[2];
+    }
+}
+
+inline void turn_normal(const PlaceView &place, const float (&v)[3], float (&out)[3]) {
+    turn(place.normals_to_world, v, out);
+    if (!(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] > 1e-30F)) {
+        out[0] = out[1] = 0.0F;
+        out[2] = 1.0F;
+    }
+}
+
+// At (u, v) of a triangle. Normals and tangents are interpolated in the shape's own space, as Cycles does.
+inline Corners corners_of(const PlaceView &place, std::uint32_t triangle, float u, float v) {
+    Corners out;
+    const std::uint32_t *const vertex = place.triangles + std::size_t{3} * triangle;
+    const auto corner = [vertex](const float *values, int i) { return values + std::size_t{3} * vertex[i]; };
+    const float *const a = corner(place.vertices, 0), *const b = corner(place.vertices, 1),
+                       *const c = corner(place.vertices, 2);
+    const float p[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, q[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    const float flat[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+    const float scale = 1.0F / std::sqrt(std::max(flat[0] * flat[0] + flat[1] * flat[1] + flat[2] * flat[2], 1e-37F));
+    const float face[3] = {flat[0] * scale, flat[1] * scale, flat[2] * scale};
+    turn_normal(place, face, out.face);
+    const auto between = [u, v](const float *first, const float *second, const float *third, float(&to)[3]) {
+        for (int axis = 0; axis < 3; ++axis) {
+            to[axis] = (1.0F - u - v) * first[axis] + u * second[axis] + v * third[axis];
+        }
+    };
+    float normal[3] = {face[0], face[1], face[2]};
+    if (place.corner_normals != nullptr) {
+        const float *const n = place.corner_normals + std::size_t{9} * triangle;
+        between(n, n + 3, n + 6, normal);
+    } else if (place.vertex_normals != nullptr) {
+        const float *const n = place.vertex_normals;
+        between(corner(n, 0), corner(n, 1), corner(n, 2), normal);
+    }
+    turn_normal(place, normal, out.normal);
+    if (place.corner_tangents != nullptr) {
+        const float *const t = place.corner_tangents + std::size_t{9} * triangle;
+        float tangent[3];
+        between(t, t + 3, t + 6, tangent);
+        turn(place.to_world, tangent, out.tangent);
+    }
+    out.material = place.first_material;
+    if (place.material != nullptr) {
+        out.material += static_cast<std::int32_t>(place.material[triangle]);
+    }
+    return out;
+}
+
 Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     Surface surface;
     surface.hit = Mask(false);
@@ -70,12 +137,10 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     Rays<LANES>::intersect(valid, view.scene, rays);
 
     alignas(64) float hits[LANES];
-    alignas(64) std::int32_t triangles[LANES];
     bool any = false;
     for (int lane = 0; lane < LANES; ++lane) {
         const bool hit = valid[lane] != 0 && rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
         hits[lane] = hit ? 1.0F : 0.0F;
-        triangles[lane] = hit ? static_cast<std::int32_t>(rays.hit.primID[lane]) : 0;
         any = any || hit;
     }
     if (!any) {
@@ -84,29 +149,32 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     surface.hit = Real::load_aligned(hits) > 0.0F;
     surface.distance = pick(surface.hit, Real::load_aligned(rays.ray.tfar), ray.reach);
 
-    const Index triangle = Index::load_aligned(triangles);
-    const Real u = Real::load_aligned(rays.hit.u), v = Real::load_aligned(rays.hit.v);
-    const Index corners = triangle * Index(9);
-    const auto between_corners = [&](const float *values) {
-        const auto along = [&](int axis) {
-            return (1.0F - u - v) * gather(values + axis, corners) + u * gather(values + 3 + axis, corners) +
-                   v * gather(values + 6 + axis, corners);
-        };
-        return vec3(along(0), along(1), along(2));
+    // The lanes' places have arrays of their own, so these are read lane by lane.
+    alignas(64) float normals[3][LANES], faces[3][LANES], tangents[3][LANES];
+    alignas(64) std::int32_t materials[LANES];
+    for (int lane = 0; lane < LANES; ++lane) {
+        const bool hit = hits[lane] != 0.0F;
+        const Corners corners = hit ? corners_of(view.places[rays.hit.instID[0][lane]], rays.hit.primID[lane],
+                                                 rays.hit.u[lane], rays.hit.v[lane])
+                                    : Corners{};
+        for (int axis = 0; axis < 3; ++axis) {
+            normals[axis][lane] = corners.normal[axis];
+            faces[axis][lane] = corners.face[axis];
+            tangents[axis][lane] = corners.tangent[axis];
+        }
+        materials[lane] = MATERIAL_FLOATS * corners.material;
+    }
+    const auto loaded = [](const float(&v)[3][LANES]) {
+        return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
     };
     // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by
     // its own angle to the ray would flip it at the rim of smooth objects.
-    surface.normal = normalised(between_corners(view.corner_normals));
-    const vec3 face = normalised(
-        {Real::load_aligned(rays.hit.Ng_x), Real::load_aligned(rays.hit.Ng_y), Real::load_aligned(rays.hit.Ng_z)});
+    surface.normal = normalised(loaded(normals));
+    const vec3 face = normalised(loaded(faces));
     surface.geometric_normal = face * pick(dot(face, surface.normal) < 0.0F, -1.0F, 1.0F);
     const Real side = pick(dot(surface.geometric_normal, ray.direction) > 0.0F, -1.0F, 1.0F);
     surface.normal = surface.normal * side;
     surface.geometric_normal = surface.geometric_normal * side;
-    alignas(64) std::int32_t materials[LANES];
-    for (int lane = 0; lane < LANES; ++lane) {
-        materials[lane] = MATERIAL_FLOATS * view.material[triangles[lane]];
-    }
     const Index material = Index::load_aligned(materials);
     const auto property = [&](int number) { return gather(view.properties + number, material); };
     surface.albedo = {property(0), property(1), property(2)};
@@ -121,8 +189,8 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
     if (surface.glossy) {
         surface.tangents = plane_across(surface.normal);
-        if (view.corner_tangents != nullptr) {
-            const vec3 tangent = between_corners(view.corner_tangents);
+        if (view.tangents) {
+            const vec3 tangent = loaded(tangents);
             const vec3 along = tangent - surface.normal * dot(tangent, surface.normal);
             const Real length2 = dot(along, along);
             const Mask usable = length2 > 1e-12F;

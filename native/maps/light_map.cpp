@@ -53,61 +53,21 @@ double nearest_solid(const LightMap &map, const SurfaceView &surfaces, double ne
     return nearest;
 }
 
-// Where along each texel's light ray, in the map's depth, the first solid stands.
-void find_solids(LightMap &map, const SurfaceView &surfaces, double nearest_distance = 0.0) {
-    map.solid_depth.assign(map.texels(), std::numeric_limits<float>::max());
-    if (surfaces.scene == nullptr) {
-        return;
-    }
-    const double nearest = nearest_solid(map, surfaces, nearest_distance);
-    const glm::dmat4 light_to_world = glm::inverse(map.world_to_light);
-    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
-        for (int x = 0; x < map.size.x; ++x) {
-            const TexelRay ray = texel_ray(map, light_to_world, x, y);
-            const double length = glm::length(ray.along);
-            const float hit =
-                first_hit(surfaces.scene, glm::vec3(ray.origin + nearest * ray.along), glm::vec3(ray.along / length));
-            if (std::isfinite(hit)) {
-                map.solid_depth[static_cast<std::size_t>(y * map.size.x + x)] =
-                    static_cast<float>(nearest + static_cast<double>(hit) / length);
-            }
-        }
-    });
-}
-
 // The eight corners of the medium's box, taken through `to`.
 std::array<glm::dvec3, 8> corners_of(const CroppedMedium &medium, const glm::dmat4 &to) {
+    const glm::ivec3 &n = medium.grid->resolution;
     std::array<glm::dvec3, 8> corners;
     for (std::size_t i = 0; i < 8; ++i) {
-        const glm::dvec3 cell((i & 1) != 0 ? medium.resolution.x : 0, (i & 2) != 0 ? medium.resolution.y : 0,
-                              (i & 4) != 0 ? medium.resolution.z : 0);
+        const glm::dvec3 cell((i & 1) != 0 ? n.x : 0, (i & 2) != 0 ? n.y : 0, (i & 4) != 0 ? n.z : 0);
         corners[i] = glm::dvec3(to * medium.grid_to_world * glm::dvec4(cell, 1.0));
     }
     return corners;
 }
 
-// `length` of light in metres, at most this many slices of half a cell: with one a cell, the total of a small dense
-// puff can be off by more than 1 %.
-void project(LightMap &map, const CroppedMedium &medium, double length, double cells, const Kernels &with) {
-    const int slices = static_cast<int>(std::clamp(std::ceil(2.0 * cells), 1.0, double{MOST_SLICES}));
-    const Affine light_to_grid = affine(glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light));
-    const std::ptrdiff_t row_floats = static_cast<std::ptrdiff_t>(map.size.x) * map.view().stride();
-    map.coefficients.resize(static_cast<std::size_t>(row_floats * map.size.y));
-    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
-        ProjectRow row;
-        row.density = medium.density_grid();
-        row.clearance = medium.clearances();
-        row.map = map.view();
-        row.light_to_grid = light_to_grid;
-        row.slice_length = static_cast<float>(length / slices);
-        row.extinction = std::max({medium.extinction.x, medium.extinction.y, medium.extinction.z});
-        row.slices = slices;
-        row.y = y;
-        row.coefficients = map.coefficients.data() + y * row_floats;
-        std::vector<float> scratch(static_cast<std::size_t>(slices * (MAX_LANES + 1)));
-        row.scratch = scratch.data();
-        with.project_row(row);
-    });
+// Slices of half a cell, `cells` of which the ray crosses: with one a cell, the total of a small dense puff can be off
+// by more than 1 %.
+int slices_for(double cells) {
+    return static_cast<int>(std::clamp(std::ceil(2.0 * cells), 1.0, double{MOST_SLICES}));
 }
 
 // The edge of a texel in metres: the shortest edge of a cell; but where cells are thin and seen from their flat side,
@@ -146,8 +106,10 @@ glm::dmat3 axes_of(const glm::dvec3 &direction) {
     return {across, glm::cross(along, across), along};
 }
 
-LightMapView LightMap::view() const {
-    LightMapView view{coefficients.data(), solid_depth.data(), count, size.x, size.y, radial, affine(world_to_light)};
+LightMapView LightMap::view(const SolidDepths *solids) const {
+    LightMapView view{
+        coefficients.data(),   solids == nullptr ? nullptr : solids->data(), count, size.x, size.y, radial,
+        affine(world_to_light)};
     for (int axis = 0; axis < 3; ++axis) {
         view.low[axis] = static_cast<float>(low[axis]);
         view.scale[axis] = static_cast<float>(1.0 / (high[axis] - low[axis]));
@@ -165,8 +127,51 @@ void LightMap::look_up(std::span<const float> points, std::span<float> columns) 
     });
 }
 
-LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const SurfaceView &surfaces,
-                            const LightMapSettings &settings, const Kernels &with) {
+LightMap projected(LightMap map, const CroppedMedium &medium, const Kernels &with) {
+    const Affine light_to_grid = affine(glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light));
+    const std::ptrdiff_t row_floats = static_cast<std::ptrdiff_t>(map.size.x) * map.view().stride();
+    map.coefficients.resize(static_cast<std::size_t>(row_floats * map.size.y));
+    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
+        ProjectRow row;
+        row.density = medium.grid->view();
+        row.clearance = medium.grid->clearances();
+        row.map = map.view();
+        row.light_to_grid = light_to_grid;
+        row.slice_length = static_cast<float>(map.length / map.slices);
+        row.extinction = medium.strongest();
+        row.slices = map.slices;
+        row.y = y;
+        row.coefficients = map.coefficients.data() + y * row_floats;
+        std::vector<float> scratch(static_cast<std::size_t>(map.slices) * (MAX_LANES + 1));
+        row.scratch = scratch.data();
+        with.project_row(row);
+    });
+    return map;
+}
+
+SolidDepths find_solids(const LightMap &map, const SurfaceView &surfaces, double nearest_distance) {
+    SolidDepths depths(map.texels(), std::numeric_limits<float>::max());
+    if (surfaces.scene == nullptr) {
+        return depths;
+    }
+    const double nearest = nearest_solid(map, surfaces, nearest_distance);
+    const glm::dmat4 light_to_world = glm::inverse(map.world_to_light);
+    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
+        for (int x = 0; x < map.size.x; ++x) {
+            const TexelRay ray = texel_ray(map, light_to_world, x, y);
+            const double length = glm::length(ray.along);
+            const float hit =
+                first_hit(surfaces.scene, glm::vec3(ray.origin + nearest * ray.along), glm::vec3(ray.along / length));
+            if (std::isfinite(hit)) {
+                depths[static_cast<std::size_t>(y * map.size.x + x)] =
+                    static_cast<float>(nearest + static_cast<double>(hit) / length);
+            }
+        }
+    });
+    return depths;
+}
+
+LightMap plan_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const LightMapSettings &settings) {
     const glm::dmat3 to_light = glm::transpose(axes_of(direction));
     glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
     for (const glm::dvec3 &p : corners_of(medium, glm::dmat4(to_light))) {
@@ -187,15 +192,14 @@ LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direc
         map.world_to_light[3][row] = -origin[row] / extent[row];
     }
     const glm::dmat4 light_to_grid = glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light);
-    project(map, medium, extent.z, glm::length(glm::dvec3(light_to_grid[2])), with);
-    find_solids(map, surfaces);
+    map.length = extent.z;
+    map.slices = slices_for(glm::length(glm::dvec3(light_to_grid[2])));
     return map;
 }
 
-LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const SurfaceView &surfaces,
-                          const LightMapSettings &settings, const Kernels &with) {
+LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const LightMapSettings &settings) {
     // The frame of the light looks at the middle of the smoke, so that the seams of the octahedron lie behind it.
-    const glm::dvec3 middle(medium.grid_to_world * glm::dvec4(0.5 * glm::dvec3(medium.resolution), 1.0));
+    const glm::dvec3 middle(medium.grid_to_world * glm::dvec4(0.5 * glm::dvec3(medium.grid->resolution), 1.0));
     const glm::dvec3 towards = middle - position;
     const double distance = glm::length(towards);
     const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
@@ -250,9 +254,8 @@ LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &positio
     const glm::dvec2 rim = extent / glm::dvec2(map.size - 2);
     map.low = glm::dvec3(glm::max(glm::dvec2(map.low) - rim, -1.0), map.low.z);
     map.high = glm::dvec3(glm::min(glm::dvec2(map.high) + rim, 1.0), map.high.z);
-    const double length = map.high.z - map.low.z;
-    project(map, medium, length, length / medium.cell_size, with);
-    find_solids(map, surfaces, settings.nearest_solid);
+    map.length = map.high.z - map.low.z;
+    map.slices = slices_for(map.length / medium.cell_size);
     return map;
 }
 

@@ -22,7 +22,7 @@ struct Ball {
 };
 
 Ball ball_of(const CroppedMedium &medium) {
-    const glm::dvec3 n(medium.resolution);
+    const glm::dvec3 n(medium.grid->resolution);
     const glm::dmat4 &m = medium.grid_to_world;
     Ball ball{glm::dvec3(m * glm::dvec4(0.5 * n, 1.0)), 0.0};
     for (int corner = 0; corner < 4; ++corner) { // the other four are their mirror images
@@ -172,16 +172,19 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Cro
     return samples;
 }
 
-std::vector<MediumView> views_of(std::span<const CroppedMedium> media, double step_length) {
-    std::vector<MediumView> views;
+MediaViews views_of(std::span<const CroppedMedium> media, double step_length) {
+    MediaViews out;
+    out.light.reserve(media.size());
     for (const CroppedMedium &medium : media) {
-        MediumView &view = views.emplace_back();
-        view.density = medium.density_grid();
-        view.light = view.density;
-        view.light.values = medium.light.data();
-        view.light.channels = medium.light_channels;
-        view.next_light = static_cast<std::ptrdiff_t>(medium.density.size()) * medium.light_channels;
-        view.clearance = medium.clearances();
+        std::vector<const float *> &volumes = out.light.emplace_back();
+        for (const auto &volume : medium.light) {
+            volumes.push_back(volume->data());
+        }
+        MediumView &view = out.views.emplace_back();
+        view.density = medium.grid->view();
+        view.light = volumes;
+        view.light_channels = medium.light_channels;
+        view.clearance = medium.grid->clearances();
         view.world_to_grid = affine(glm::inverse(medium.grid_to_world));
         view.anisotropy = medium.anisotropy;
         view.step_length = static_cast<float>(step_length);
@@ -190,85 +193,147 @@ std::vector<MediumView> views_of(std::span<const CroppedMedium> media, double st
             view.scattering[c] = medium.scattering[c];
         }
     }
-    return views;
+    return out;
 }
 
-Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const SurfaceView &surfaces,
-                   const LightingSettings &settings, bool grey, const Kernels &with)
+void LightParts::end_round() {
+    maps.end_round();
+    solids.end_round();
+    volumes.end_round();
+}
+
+Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const Surfaces &surfaces,
+                   const LightingSettings &settings, bool grey, const Kernels &with, LightParts &parts)
     : media_(media.size()) {
+    place_samples(lights, media, settings.most_samples);
+    build_maps(media, surfaces, settings.map, with, parts);
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        views_[i].samples = samples_[i];
+        views_[i].maps = map_views_[i].data();
+    }
+    fill_volumes(media, grey, with, parts);
+}
+
+void Lighting::place_samples(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples) {
     double cell = media.empty() ? 0.0 : media.front().cell_size;
     for (const CroppedMedium &medium : media) {
         cell = std::min(cell, medium.cell_size);
     }
-    std::size_t maps = 0;
     const auto polygons = std::max(1, static_cast<int>(std::count_if(lights.begin(), lights.end(), [](const Light &l) {
                                        return l.kind == Light::Kind::POLYGON;
                                    })));
     for (const Light &light : lights) {
         const LightView &view = views_.emplace_back(view_of(light, cell));
         // The faces of a mesh that glows are parts of one light: what each of them throws is blurred by the others.
-        const int share = std::max(settings.most_samples / polygons, std::min(settings.most_samples, 4));
-        const int most = light.kind == Light::Kind::POLYGON ? share : settings.most_samples;
+        const int share = std::max(most_samples / polygons, std::min(most_samples, 4));
+        const int most = light.kind == Light::Kind::POLYGON ? share : most_samples;
         samples_.push_back(light_samples(view, media, most));
-        maps += samples_.back().size() * media_;
+    }
+}
+
+void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces,
+                          const LightMapSettings &settings, const Kernels &with, LightParts &parts) {
+    std::size_t maps = 0;
+    for (const std::vector<glm::vec3> &samples : samples_) {
+        maps += samples.size() * media_;
     }
     constexpr double MOST_FLOATS = 1 << 28; // of all maps: a gibibyte
-    for (const LightView &view : views_) {
-        const std::vector<glm::vec3> &samples = samples_[maps_.size()];
-        LightMapSettings map = settings.map;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        LightMapSettings map = settings;
         map.most_floats = std::min(map.most_floats, MOST_FLOATS / static_cast<double>(std::max<std::size_t>(maps, 1)));
-        if (samples.size() > 1) {
+        if (samples_[i].size() > 1) {
             // Each map is blurred by its neighbours: half the detail does.
             map.texels_per_cell *= 0.5;
         }
-        if (view.kind == Light::Kind::POLYGON) {
-            // The mesh that it is a part of does not shade the air just before it.
-            map.nearest_solid = 1e-3 * double{view.radius};
-        }
-        maps_.emplace_back(samples.size() * media_);
-        std::size_t at = 0;
-        for (const glm::vec3 &sample : samples) {
-            const glm::dvec3 point(sample);
+        std::vector<Map> &made = maps_.emplace_back();
+        std::vector<LightMapView> &map_views = map_views_.emplace_back();
+        for (const glm::vec3 &sample : samples_[i]) {
             for (const CroppedMedium &medium : media) {
-                if (meets(view, point, ball_of(medium))) {
-                    maps_.back()[at] = view.kind == Light::Kind::SUN
-                                           ? build_parallel_map(medium, -point, surfaces, map, with)
-                                           : build_radial_map(medium, point, surfaces, map, with);
-                }
-                ++at;
+                made.push_back(build_map(views_[i], glm::dvec3(sample), medium, surfaces, map, with, parts));
+                map_views.push_back(made.back().columns ? made.back().columns->view(made.back().solids.get())
+                                                        : LightMapView{});
             }
         }
-        std::vector<LightMapView> &map_views = map_views_.emplace_back();
-        for (const LightMap &made : maps_.back()) {
-            map_views.push_back(made.coefficients.empty() ? LightMapView{} : made.view());
-        }
     }
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-        views_[i].samples = samples_[i];
-        views_[i].maps = map_views_[i].data();
-    }
+}
 
-    const auto channels = static_cast<std::size_t>(grey ? 2 : 4);
-    for (CroppedMedium &medium : media) {
-        medium.light_channels = static_cast<int>(channels);
-        medium.light.assign(medium.density.size() * channels * views_.size(), 0.0F);
+Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
+                                  const Surfaces &surfaces, const LightMapSettings &settings, const Kernels &with,
+                                  LightParts &parts) const {
+    if (!meets(light, sample, ball_of(medium))) {
+        return {};
     }
-    const std::vector<MediumView> medium_views = views_of(media, 1.0);
+    LightMap plan = light.kind == Light::Kind::SUN ? plan_parallel_map(medium, -sample, settings)
+                                                   : plan_radial_map(medium, sample, settings);
+    // The mesh that a polygon is a part of does not shade the air just before it.
+    const double nearest = light.kind == Light::Kind::POLYGON ? 1e-3 * double{light.radius} : 0.0;
+    Key rays;
+    rays.number(plan.count, plan.size.x, plan.size.y, plan.slices, static_cast<int>(plan.radial));
+    rays.numbers(std::span<const double>(&plan.world_to_light[0].x, 16));
+    rays.numbers(std::span<const double>(&plan.low.x, 3)).numbers(std::span<const double>(&plan.high.x, 3));
+    Key columns = rays, solids = rays;
+    columns.part(medium.grid).number(medium.strongest());
+    columns.numbers(std::span<const double>(&medium.grid_to_world[0].x, 16));
+    solids.part(surfaces.places()).number(nearest);
+    Map map;
+    map.solids = parts.solids.get(solids, [&] { return find_solids(plan, surfaces.view(), nearest); });
+    map.columns = parts.maps.get(columns, [&] { return projected(std::move(plan), medium, with); });
+    return map;
+}
+
+Key Lighting::volume_key(std::size_t light, std::size_t own, std::span<const CroppedMedium> media, bool grey) const {
+    const LightView &view = views_[light];
+    Key key;
+    key.number(static_cast<int>(grey), static_cast<int>(view.kind), static_cast<int>(view.spot_cosine));
+    key.number(view.radius, view.cone_cosine, view.blend, view.facing2, view.spread_cotangent, view.area, view.size2);
+    for (const glm::vec3 &v : {view.position, view.direction, view.across, view.up, view.corners[0], view.corners[1],
+                               view.corners[2], view.corners[3]}) {
+        key.number(v.x, v.y, v.z);
+    }
+    if (!samples_[light].empty()) {
+        key.numbers(std::span<const float>(&samples_[light].front().x, 3 * samples_[light].size()));
+    }
+    for (const Map &map : maps_[light]) {
+        key.part(map.columns).part(map.solids);
+    }
+    for (const CroppedMedium &medium : media) {
+        key.number(medium.extinction.x, medium.extinction.y, medium.extinction.z);
+    }
+    key.part(media[own].grid).number(own);
+    key.numbers(std::span<const double>(&media[own].grid_to_world[0].x, 16));
+    return key;
+}
+
+void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const Kernels &with,
+                            LightParts &parts) const {
+    for (CroppedMedium &medium : media) {
+        medium.light_channels = grey ? 2 : 4;
+        medium.light.clear();
+    }
+    const MediaViews unlit = views_of(media, 1.0);
     for (std::size_t m = 0; m < media_; ++m) {
+        const CroppedMedium &medium = media[m];
+        const std::size_t floats = medium.grid->density.size() * static_cast<std::size_t>(medium.light_channels);
+        std::vector<std::shared_ptr<const LightVolume>> volumes;
         for (std::size_t i = 0; i < views_.size(); ++i) {
-            LightSlice slice;
-            slice.light = &views_[i];
-            slice.media = medium_views;
-            slice.own = static_cast<int>(m);
-            slice.grey = grey;
-            slice.grid_to_world = affine(media[m].grid_to_world);
-            slice.volume = media[m].light.data() + static_cast<std::ptrdiff_t>(i) * medium_views[m].next_light;
-            oneapi::tbb::parallel_for(0, media[m].resolution.z, [&with, slice](int z) {
-                LightSlice own = slice;
-                own.z = z;
-                with.light_slice(own);
-            });
+            volumes.push_back(parts.volumes.get(volume_key(i, m, media, grey), [&] {
+                LightVolume volume(floats, 0.0F);
+                LightSlice slice;
+                slice.light = &views_[i];
+                slice.media = unlit.views;
+                slice.own = static_cast<int>(m);
+                slice.grey = grey;
+                slice.grid_to_world = affine(medium.grid_to_world);
+                slice.volume = volume.data();
+                oneapi::tbb::parallel_for(0, medium.grid->resolution.z, [&with, slice](int z) {
+                    LightSlice own = slice;
+                    own.z = z;
+                    with.light_slice(own);
+                });
+                return volume;
+            }));
         }
+        media[m].light = std::move(volumes);
     }
 }
 
@@ -276,8 +341,7 @@ const LightMap *Lighting::map(std::size_t light, std::size_t sample, std::size_t
     if (light >= maps_.size() || medium >= media_ || sample >= samples_[light].size()) {
         return nullptr;
     }
-    const LightMap &map = maps_[light][sample * media_ + medium];
-    return map.coefficients.empty() ? nullptr : &map;
+    return maps_[light][sample * media_ + medium].columns.get();
 }
 
 } // namespace sfumato

@@ -4,8 +4,11 @@
 
 #include "maps/light_map.hpp"
 #include "media/medium.hpp"
+#include "scene/kept.hpp"
 #include "scene/scene.hpp"
+#include "solids/surfaces.hpp"
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,22 +19,47 @@ struct LightingSettings {
     int most_samples = 16; // of a light whose extent blurs the smoke's shadow
 };
 
+// What was made of lights and smoke before.
+struct LightParts {
+    Kept<LightMap> maps;
+    Kept<SolidDepths> solids;
+    Kept<LightVolume> volumes;
+
+    void end_round();
+};
+
 // Everything that the lights of a frame need, and the views of it.
 class Lighting {
 public:
     Lighting() = default;
     // Fills the light volumes of `media` too.
-    Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const SurfaceView &surfaces,
-             const LightingSettings &settings, bool grey, const Kernels &with);
+    Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const Surfaces &surfaces,
+             const LightingSettings &settings, bool grey, const Kernels &with, LightParts &parts);
 
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
     // The map of one medium in one light, null where that light cannot meet it.
     [[nodiscard]] const LightMap *map(std::size_t light, std::size_t sample, std::size_t medium) const;
 
 private:
+    // A map of one medium from one sample of a light; both null where that light cannot meet it.
+    struct Map {
+        std::shared_ptr<const LightMap> columns;
+        std::shared_ptr<const SolidDepths> solids;
+    };
+
+    void place_samples(std::span<const Light> lights, std::span<const CroppedMedium> media, int most);
+    void build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces, const LightMapSettings &settings,
+                    const Kernels &with, LightParts &parts);
+    [[nodiscard]] Map build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
+                                const Surfaces &surfaces, const LightMapSettings &settings, const Kernels &with,
+                                LightParts &parts) const;
+    void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const Kernels &with, LightParts &parts) const;
+    [[nodiscard]] Key volume_key(std::size_t light, std::size_t own, std::span<const CroppedMedium> media,
+                                 bool grey) const;
+
     std::size_t media_ = 0;
     std::vector<std::vector<glm::vec3>> samples_; // of each light
-    std::vector<std::vector<LightMap>> maps_;     // of each light: for each sample and medium, the medium first
+    std::vector<std::vector<Map>> maps_;          // of each light: for each sample and medium, the medium first
     std::vector<std::vector<LightMapView>> map_views_;
     std::vector<LightView> views_;
 };
@@ -43,7 +71,11 @@ LightView view_of(const Light &light, double cell);
 // sun, directions towards it.
 std::vector<glm::vec3> light_samples(const LightView &light, std::span<const CroppedMedium> media, int most);
 
-// Views of media with the light volumes that they have by now.
-std::vector<MediumView> views_of(std::span<const CroppedMedium> media, double step_length);
+// Views of media with the light volumes that they have by now. They point into `media`.
+struct MediaViews {
+    std::vector<std::vector<const float *>> light; // of each medium, the volume of each light
+    std::vector<MediumView> views;
+};
+MediaViews views_of(std::span<const CroppedMedium> media, double step_length);
 
 } // namespace sfumato

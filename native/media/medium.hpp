@@ -1,36 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Smoke made ready for marching: cropped to where there is any, with a map of the emptiness that is left.
+// Smoke in its place: a grid, what its material makes of it, and the light that reaches it.
 #pragma once
 
+#include "media/grid.hpp"
 #include "scene/scene.hpp"
-#include "text/kernels.hpp"
 
+#include <memory>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
 
 namespace sfumato {
 
+// One light's: the cells of the grid, x fastest, `light_channels` numbers each, see MediumView.
+using LightVolume = std::vector<float>;
+
 struct CroppedMedium {
-    std::vector<float> density;
-    std::vector<float> light; // of all lights in turn, see MediumView
-    int light_channels = 0;
-    glm::ivec3 resolution{0}; // with one empty cell on every side
+    std::shared_ptr<const Grid> grid; // null where there is no smoke
     glm::dmat4 grid_to_world{1.0};
-    std::vector<float> clearance;
-    glm::ivec3 bricks{0};
     glm::vec3 extinction{0.0F}; // per metre and unit density
     glm::vec3 scattering{0.0F};
     float anisotropy = 0.0F;
     double cell_size = 0.0; // the shortest edge, metres
+    int light_channels = 0;
+    std::vector<std::shared_ptr<const LightVolume>> light; // of each light
 
     [[nodiscard]] bool grey() const { return extinction.x == extinction.y && extinction.y == extinction.z; }
-    [[nodiscard]] bool empty() const { return density.empty(); }
-    [[nodiscard]] GridView density_grid() const;
-    [[nodiscard]] ClearanceView clearances() const;
+    [[nodiscard]] bool empty() const { return grid == nullptr; }
+    // Of the strongest colour, per metre and unit density.
+    [[nodiscard]] float strongest() const;
 };
 
-// Cells whose density could darken nothing by more than 1e-4 of optical depth along the grid's diagonal count as empty.
+// The density that could darken nothing by more than 1e-4 of optical depth along the grid's diagonal: cells up to it
+// count as empty. Infinite for a material that takes no light.
+float emptiness(const glm::uvec3 &resolution, const glm::mat4 &grid_to_world, const glm::vec3 &extinction);
+
+// Crops the density, unless the medium brings its grid.
 CroppedMedium crop(const Medium &medium);
 
 } // namespace sfumato

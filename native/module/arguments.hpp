@@ -141,6 +141,22 @@ inline glm::dmat4 matrix4(const Doubles &array, const std::string &name) {
     return m;
 }
 
+// Its last row, the flat indices of which begin at `first`, must be that of an affine matrix.
+inline void require_affine(const glm::mat4 &m, py::ssize_t first, const std::string &name) {
+    for (int column = 0; column < 4; ++column) {
+        if (m[column][3] != (column == 3 ? 1.0F : 0.0F)) {
+            throw py::value_error(name + " holds " + text(m[column][3]) + " at flat index " +
+                                  text(first + 12 + column) + "; its last row must be 0, 0, 0, 1");
+        }
+    }
+}
+
+inline glm::mat4 affine_matrix(const Doubles &array, const std::string &name) {
+    const glm::mat4 m(matrix4(array, name));
+    require_affine(m, 0, name);
+    return m;
+}
+
 inline py::array_t<double> to_numpy(const glm::dmat4 &m) {
     py::array_t<double> out({4, 4});
     for (int row = 0; row < 4; ++row) {

@@ -4,6 +4,7 @@
 
 #include "module/arguments.hpp"
 #include "module/parts.hpp"
+#include "module/scene_parts.hpp"
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -13,14 +14,16 @@ namespace {
 
 using namespace arguments;
 
-Frame make_frame(const Scene &scene, int coefficients, double texels_per_cell, double steps_per_cell,
-                 int light_samples) {
+Frame make_frame(const ConsoleScene &scene, int coefficients, double texels_per_cell, double steps_per_cell,
+                 int light_samples, const std::shared_ptr<Prepared> &prepared) {
     require_range(coefficients, 1, 63, "coefficients");
     require_range(texels_per_cell, 0.05, 8.0, "texels_per_cell");
     require_range(steps_per_cell, 0.05, 64.0, "steps_per_cell");
     require_range(light_samples, 1, 1024, "light_samples");
     const py::gil_scoped_release unlocked;
-    return {scene, {coefficients, texels_per_cell, steps_per_cell, light_samples}};
+    return {scene,
+            {coefficients, texels_per_cell, steps_per_cell, light_samples},
+            prepared ? prepared : std::make_shared<Prepared>()};
 }
 
 void require_size(int width, int height) {
@@ -75,15 +78,19 @@ py::object surfaces(const Frame &frame, const Camera &camera, int width, int hei
 }
 
 py::array_t<float> density_of(const CroppedMedium &medium) {
-    const glm::ivec3 n = medium.resolution;
-    return to_numpy(medium.density, {n.z, n.y, n.x});
+    const glm::ivec3 n = medium.grid->resolution;
+    return to_numpy(medium.grid->density, {n.z, n.y, n.x});
 }
 
 py::array_t<float> light_of(const CroppedMedium &medium) {
-    const glm::ivec3 n = medium.resolution;
-    const std::size_t volume = medium.density.size() * static_cast<std::size_t>(medium.light_channels);
-    const auto lights = static_cast<py::ssize_t>(medium.light.size() / volume);
-    return to_numpy(medium.light, {lights, n.z, n.y, n.x, medium.light_channels});
+    const glm::ivec3 n = medium.grid->resolution;
+    py::array_t<float> out({static_cast<py::ssize_t>(medium.light.size()), py::ssize_t{n.z}, py::ssize_t{n.y},
+                            py::ssize_t{n.x}, py::ssize_t{medium.light_channels}});
+    float *to = out.mutable_data();
+    for (const auto &volume : medium.light) {
+        to = std::copy(volume->begin(), volume->end(), to);
+    }
+    return out;
 }
 
 void require_light(const Frame &frame, int light) {
@@ -144,7 +151,8 @@ void bind_frame(py::module_ &m) {
         .def_property_readonly(
             "clearance",
             [](const CroppedMedium &s) {
-                return to_numpy(s.clearance, {s.bricks.z, s.bricks.y, s.bricks.x});
+                const Grid &grid = *s.grid;
+                return to_numpy(grid.clearance, {grid.bricks.z, grid.bricks.y, grid.bricks.x});
             },
             "(bz, by, bx), for each brick of 4^3 cells: negative where smoke may be met, else the number of cells "
             "that are surely empty in every direction.")
@@ -170,11 +178,43 @@ void bind_frame(py::module_ &m) {
             "(4, 4): of a sun's map, to x and y across it and z along the light, all in [0, 1]; of others, to a frame "
             "with the light at the origin.");
 
+    py::class_<Prepared, std::shared_ptr<Prepared>>(m, "Prepared",
+                                                    R"(What outlives a frame: the meshes, light maps and lit
+smoke of the last one, and the threads that make them, as many as `threads` says, or all for 0. Of the next frame only
+what has changed is made.
+
+>>> import numpy as np
+>>> scene, prepared = Scene(), Prepared(threads=2)
+>>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+>>> scene.add_instances(triangle, np.eye(4), albedo=[[0.8, 0.8, 0.8]])
+>>> first, second = Frame(scene, prepared=prepared), Frame(scene, prepared=prepared)
+>>> prepared.made["meshes"]
+1
+)")
+        .def(py::init([](int threads) {
+                 require_range(threads, 0, 1024, "threads");
+                 return std::make_shared<Prepared>(threads);
+             }),
+             py::arg("threads") = 0)
+        .def_property_readonly(
+            "made",
+            [](const Prepared &prepared) {
+                py::dict out;
+                out["meshes"] = prepared.solids.made();
+                out["places"] = prepared.solids.places_made();
+                out["maps"] = prepared.lights.maps.made();
+                out["solids on maps"] = prepared.lights.solids.made();
+                out["volumes"] = prepared.lights.volumes.made();
+                return out;
+            },
+            "How many parts of each kind were ever made: what did not change is not made again.");
+
     py::class_<Frame>(m, "Frame", R"(Everything about a scene that does not depend on the camera, computed once.
 
 coefficients (1 to 63) of each texel of the light maps; texels_per_cell and steps_per_cell relate the maps'
 resolution and the march along view rays to the cells of the smoke; light_samples, the most points at which a light is
-sampled that is large enough to blur the smoke's shadow.
+sampled that is large enough to blur the smoke's shadow. What `prepared`, a Prepared, knows from an earlier frame is not
+made again.
 
 >>> import numpy as np
 >>> scene = Scene()
@@ -185,7 +225,7 @@ sampled that is large enough to blur the smoke's shadow.
         .def(py::init(&make_frame), py::arg("scene"), py::arg("coefficients") = FrameSettings{}.coefficients,
              py::arg("texels_per_cell") = FrameSettings{}.texels_per_cell,
              py::arg("steps_per_cell") = FrameSettings{}.steps_per_cell,
-             py::arg("light_samples") = FrameSettings{}.light_samples)
+             py::arg("light_samples") = FrameSettings{}.light_samples, py::arg("prepared") = py::none())
         .def("render", &render, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("edge_samples") = 16,
              py::arg("progress") = py::none(),
              R"(The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom.

@@ -49,6 +49,7 @@ Traceback (most recent call last):
 ValueError: path 'missing.vdb' cannot be read: ...
 )");
 
+    bind_scene_parts(m);
     bind_scene(m);
     bind_reference(m);
     bind_frame(m);

@@ -3,6 +3,7 @@
 
 #include "module/arguments.hpp"
 #include "module/parts.hpp"
+#include "module/scene_parts.hpp"
 
 #include <algorithm>
 
@@ -32,7 +33,8 @@ py::array_t<double> transmittance(const Doubles &depth, const Doubles &alpha, co
     return to_numpy(std::move(out), {d.shape(0)});
 }
 
-py::array_t<double> column(const Scene &scene, const Doubles &start, const Doubles &end, int medium) {
+py::array_t<double> column(const ConsoleScene &given, const Doubles &start, const Doubles &end, int medium) {
+    const Scene scene = given.for_reference();
     if (start.ndim() < 1 || start.shape(start.ndim() - 1) != 3) {
         throw py::value_error("start has shape " + shape_of(start) + ", but its last axis must be 3");
     }
@@ -59,13 +61,14 @@ py::array_t<double> column(const Scene &scene, const Doubles &start, const Doubl
     return to_numpy(std::move(out), {start.shape(), start.shape() + start.ndim() - 1});
 }
 
-py::array_t<double> render(const Scene &scene, const Camera &camera, int width, int height, int sun_samples_per_axis,
-                           double step, int light_samples_per_axis) {
+py::array_t<double> render(const ConsoleScene &given, const Camera &camera, int width, int height,
+                           int sun_samples_per_axis, double step, int light_samples_per_axis) {
     require_range(width, 1, 65536, "width");
     require_range(height, 1, 65536, "height");
     require_range(sun_samples_per_axis, 1, 1024, "sun_samples_per_axis");
     require_range(light_samples_per_axis, 1, 1024, "light_samples_per_axis");
     require_range(step, 1e-6, 1e6, "step");
+    const Scene scene = given.for_reference();
     std::vector<double> out;
     {
         const py::gil_scoped_release unlocked;

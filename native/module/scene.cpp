@@ -2,6 +2,7 @@
 // Scenes and cameras: what Python hands over, checked.
 #include "module/lights.hpp"
 #include "module/parts.hpp"
+#include "module/scene_parts.hpp"
 #include "scene/camera.hpp"
 #include "text/kernels.hpp"
 
@@ -14,113 +15,91 @@ namespace {
 
 using namespace arguments;
 
-// Rows of seven numbers in [0, 1] and an index of refraction.
-std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
-    constexpr py::ssize_t WIDTH = 8;
-    require_shape(array, {count, WIDTH}, "gloss");
-    std::vector<Gloss> out;
-    for (py::ssize_t first = 0; first < array.size(); first += WIDTH) {
-        const float *row = array.data() + first;
-        for (py::ssize_t k = 0; k < WIDTH; ++k) {
-            const bool last = k == WIDTH - 1;
-            if (last ? !is_index(row[k]) : !(row[k] >= 0.0F && row[k] <= 1.0F)) {
-                throw py::value_error("gloss holds " + text(row[k]) + " at flat index " + text(first + k) + "; " +
-                                      (last ? "an index of refraction must be " + std::string(INDEX_RANGE)
-                                            : "every value but the index of refraction must lie between 0 and 1"));
+std::vector<glm::mat4> places(const Doubles &to_world) {
+    const bool one = to_world.ndim() == 2;
+    const py::ssize_t count = one ? 1 : to_world.ndim() == 3 ? to_world.shape(0) : 0;
+    const bool fits = (one || to_world.ndim() == 3) && to_world.shape(to_world.ndim() - 1) == 4 &&
+                      to_world.shape(to_world.ndim() - 2) == 4;
+    if (!fits) {
+        throw py::value_error("to_world has shape " + shape_of(to_world) + ", but must have (4, 4) or (any, 4, 4)");
+    }
+    require_range(to_world, -1e30, 1e30, "to_world");
+    std::vector<glm::mat4> out;
+    out.reserve(static_cast<std::size_t>(count));
+    for (py::ssize_t i = 0; i < count; ++i) {
+        const double *const m = to_world.data() + 16 * i;
+        glm::mat4 &matrix = out.emplace_back();
+        for (int row = 0; row < 4; ++row) {
+            for (int column = 0; column < 4; ++column) {
+                matrix[column][row] = static_cast<float>(m[4 * row + column]);
             }
         }
-        out.push_back({{row[0], row[1], row[2]}, row[3], row[7], {row[4], row[5]}, row[6] > 0.0F});
+        require_affine(matrix, 16 * i, "to_world");
     }
     return out;
 }
 
-void add_mesh(Scene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
-              const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
-              const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission,
-              const std::optional<Floats> &diffuse_roughness) {
-    require_shape(vertices, {-1, 3}, "vertices");
-    require_shape(triangles, {-1, 3}, "triangles");
-    const py::ssize_t count = triangles.shape(0);
-    require_shape(corner_normals, {count, 3, 3}, "corner_normals");
-    require_shape(material, {count}, "material");
-    require_shape(albedo, {-1, 3}, "albedo");
-    require_finite(vertices, "vertices");
-    require_finite(corner_normals, "corner_normals");
-    require_range(albedo, 0.0F, 1.0F, "albedo");
-    const std::vector<std::uint32_t> corners = indices(triangles, vertices.shape(0), "triangles");
-    Mesh mesh;
-    mesh.material = indices(material, albedo.shape(0), "material");
-    const auto vectors = [](const Floats &array, std::vector<glm::vec3> &out) {
-        const auto *first = reinterpret_cast<const glm::vec3 *>(array.data());
-        out.assign(first, first + array.size() / 3);
-    };
-    vectors(vertices, mesh.vertices);
-    vectors(albedo, mesh.albedo);
-    if (gloss) {
-        mesh.gloss = glosses(*gloss, albedo.shape(0));
+void add_instances(Scene &scene, const CheckedMesh &mesh, const Doubles &to_world, const Floats &albedo,
+                   const std::optional<Floats> &gloss, const std::optional<Floats> &emission,
+                   const std::optional<Floats> &diffuse_roughness) {
+    Instances out;
+    out.shape = mesh.shape;
+    out.materials = checked_materials(albedo, gloss, emission, diffuse_roughness);
+    if (out.materials.albedo.size() < mesh.materials) {
+        throw py::value_error("albedo has " + text(out.materials.albedo.size()) + " rows, but the mesh names " +
+                              text(mesh.materials) + " materials");
     }
-    if (corner_tangents) {
-        require_shape(*corner_tangents, {count, 3, 3}, "corner_tangents");
-        require_finite(*corner_tangents, "corner_tangents");
-        const auto *tangents = reinterpret_cast<const glm::vec3 *>(corner_tangents->data());
-        for (py::ssize_t i = 0; i < 3 * count; i += 3) {
-            mesh.corner_tangents.push_back({tangents[i], tangents[i + 1], tangents[i + 2]});
-        }
-    }
-    if (emission) {
-        require_shape(*emission, {albedo.shape(0), 3}, "emission");
-        require_range(*emission, 0.0F, 1e30F, "emission");
-        vectors(*emission, mesh.emission);
-    }
-    if (diffuse_roughness) {
-        require_shape(*diffuse_roughness, {albedo.shape(0)}, "diffuse_roughness");
-        require_range(*diffuse_roughness, -1.0F, 1.0F, "diffuse_roughness");
-        mesh.diffuse_roughness.assign(diffuse_roughness->data(), diffuse_roughness->data() + diffuse_roughness->size());
-    }
-    const auto *normals = reinterpret_cast<const glm::vec3 *>(corner_normals.data());
-    for (std::size_t first = 0; first < corners.size(); first += 3) {
-        mesh.triangles.emplace_back(corners[first], corners[first + 1], corners[first + 2]);
-        mesh.corner_normals.push_back({normals[first], normals[first + 1], normals[first + 2]});
-    }
-    scene.meshes.push_back(std::move(mesh));
+    out.to_world = places(to_world);
+    scene.meshes.push_back(std::move(out));
 }
 
-void add_medium(Scene &scene, const Floats &density, const Doubles &grid_to_world, const Floats &scattering,
-                const Floats &absorption, float anisotropy) {
-    require_shape(density, {-1, -1, -1}, "density");
-    if (density.size() == 0) {
-        throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
+void add_mesh(Scene &scene, const Floats &vertices, const py::array &triangles, const Floats &corner_normals,
+              const py::array &material, const Floats &albedo, const std::optional<Floats> &gloss,
+              const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission,
+              const std::optional<Floats> &diffuse_roughness) {
+    require_shape(triangles, {-1, 3}, "triangles");
+    require_shape(corner_normals, {triangles.shape(0), 3, 3}, "corner_normals");
+    require_finite(corner_normals, "corner_normals");
+    if (corner_tangents) {
+        require_shape(*corner_tangents, {triangles.shape(0), 3, 3}, "corner_tangents");
+        require_finite(*corner_tangents, "corner_tangents");
     }
-    constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // the lanes' indices have 32 bits
-    if (density.size() > MOST_CELLS) {
-        throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
-    }
-    require_range(density, 0.0F, 1e30F, "density");
+    require_shape(albedo, {-1, 3}, "albedo");
+    require_shape(material, {triangles.shape(0)}, "material");
+    const std::vector<std::uint32_t> rows =
+        indices(Doubles(any_array(material, "material")), albedo.shape(0), "material");
+    Instances out;
+    out.shape = checked_mesh(vertices, triangles, corner_normals, material, corner_tangents).shape;
+    out.materials = checked_materials(albedo, gloss, emission, diffuse_roughness);
+    out.to_world = {glm::mat4(1.0F)};
+    scene.meshes.push_back(std::move(out));
+}
+
+void require_room(const Scene &scene) {
     if (scene.media.size() == MAX_MEDIA) {
         throw py::value_error("scene holds " + std::to_string(MAX_MEDIA) + " media, and can hold no more");
     }
-    Medium medium;
-    require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
-    medium.grid_to_world = glm::mat4(matrix4(grid_to_world, "grid_to_world"));
-    for (int column = 0; column < 4; ++column) {
-        if (medium.grid_to_world[column][3] != (column == 3 ? 1.0F : 0.0F)) {
-            throw py::value_error("grid_to_world holds " + text(medium.grid_to_world[column][3]) + " at flat index " +
-                                  text(12 + column) + "; its last row must be 0, 0, 0, 1");
-        }
-    }
-    const double determinant = glm::determinant(glm::dmat4(medium.grid_to_world));
-    if (!(std::abs(determinant) > 0.0)) {
-        throw py::value_error("grid_to_world flattens the grid: its determinant is 0");
-    }
-    medium.resolution = {density.shape(2), density.shape(1), density.shape(0)};
-    medium.density.assign(density.data(), density.data() + density.size());
-    medium.scattering = vector3(scattering, "scattering");
-    medium.absorption = vector3(absorption, "absorption");
-    require_range(scattering, 0.0F, 1e30F, "scattering");
-    require_range(absorption, 0.0F, 1e30F, "absorption");
+}
+
+void add_grid(ConsoleScene &scene, const CheckedGrid &grid, float anisotropy) {
+    require_room(scene);
     require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
+    Medium medium;
+    medium.resolution = grid.resolution;
+    medium.grid = grid.grid;
+    medium.grid_to_world = grid.grid_to_world;
+    medium.scattering = grid.scattering;
+    medium.absorption = grid.absorption;
     medium.anisotropy = anisotropy;
     scene.media.push_back(std::move(medium));
+    scene.densities.emplace_back();
+}
+
+void add_medium(ConsoleScene &scene, const Floats &density, const Doubles &grid_to_world, const Floats &scattering,
+                const Floats &absorption, float anisotropy) {
+    require_room(scene);
+    add_grid(scene, checked_grid(density, grid_to_world, scattering, absorption), anisotropy);
+    scene.densities.back() = density;
 }
 
 glm::vec3 unit_vector(const Floats &array, const std::string &name) {
@@ -227,7 +206,7 @@ py::array_t<float> corners(const Camera &camera) {
 } // namespace
 
 void bind_scene(py::module_ &m) {
-    py::class_<Scene>(m, "Scene", R"(Meshes, smoke and lights.
+    py::class_<ConsoleScene>(m, "Scene", R"(Meshes, smoke and lights.
 
 >>> scene = Scene()
 >>> scene.add_sun((0, 0, -1), irradiance=(1, 1, 1), angle=0.0)
@@ -252,11 +231,25 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
 
 >>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])
 )")
-        .def("add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
-             py::arg("absorption"), py::arg("anisotropy") = 0.0F,
-             R"(Add a body of smoke, of which there may be five. Where they overlap, their densities add.
+        .def("add_instances", &add_instances, py::arg("mesh"), py::arg("to_world"), py::arg("albedo"),
+             py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse_roughness") = py::none(),
+             R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
+world. albedo (k, 3), gloss (k, 8), emission (k, 3) and diffuse_roughness (k,) are those of add_mesh, a row for each
+material that the mesh names. Raises ValueError as add_mesh does, and for too few rows.
 
-density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; grid_to_world (4, 4) takes
+>>> import numpy as np
+>>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+>>> Scene().add_instances(triangle, np.stack([np.eye(4), np.diag([2, 2, 2, 1])]), [[0.8, 0.8, 0.8]])
+)")
+        .def("add_medium", &add_grid, py::arg("grid"), py::arg("anisotropy") = 0.0F,
+             R"(Add a Grid, with anisotropy g of Henyey and Greenstein (1941) in (-1, 1).)")
+        .def(
+            "add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
+            py::arg("absorption"), py::arg("anisotropy") = 0.0F,
+            R"(Add a body of smoke, of which there may be five; or a Grid that was made before. Where they overlap, their densities add.
+
+density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; the scene refers to the array
+instead of copying it, so it should not be changed while the scene is in use; grid_to_world (4, 4) takes
 cells to metres: cell (i, j, k) fills [i, i + 1] and so on; scattering and absorption (3,), per metre and unit
 density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1).
 Raises ValueError for an empty, negative or non-finite density and for a matrix that flattens the grid.

@@ -13,10 +13,45 @@ namespace {
 
 using Triangle = std::array<glm::dvec3, 3>;
 
-Triangle corners(const Mesh &mesh, std::size_t index) {
-    const glm::uvec3 &triangle = mesh.triangles[index];
-    return {glm::dvec3(mesh.vertices[triangle.x]), glm::dvec3(mesh.vertices[triangle.y]),
-            glm::dvec3(mesh.vertices[triangle.z])};
+// One place of a shape.
+struct Placed {
+    const Shape &shape;
+    const Materials &materials;
+    glm::dmat4 to_world;
+};
+
+// Calls body(placed) for every place of every mesh.
+template <typename Body>
+void for_each_place(const Scene &scene, const Body &body) {
+    for (const Instances &mesh : scene.meshes) {
+        for (const glm::mat4 &to_world : mesh.to_world) {
+            body(Placed{*mesh.shape, mesh.materials, glm::dmat4(to_world)});
+        }
+    }
+}
+
+Triangle corners(const Placed &mesh, std::size_t index) {
+    const auto corner = [&mesh](std::uint32_t vertex) {
+        return glm::dvec3(mesh.to_world * glm::dvec4(glm::dvec3(mesh.shape.vertices[vertex]), 1.0));
+    };
+    const glm::uvec3 &triangle = mesh.shape.triangles[index];
+    return {corner(triangle.x), corner(triangle.y), corner(triangle.z)};
+}
+
+// The normals of a triangle's corners, in the shape's own space, not of unit length.
+Triangle corner_normals(const Shape &shape, std::size_t index) {
+    const glm::uvec3 &t = shape.triangles[index];
+    if (!shape.corner_normals.empty()) {
+        const auto &normals = shape.corner_normals[index];
+        return {glm::dvec3(normals[0]), glm::dvec3(normals[1]), glm::dvec3(normals[2])};
+    }
+    if (!shape.vertex_normals.empty()) {
+        const auto &normals = shape.vertex_normals;
+        return {glm::dvec3(normals[t.x]), glm::dvec3(normals[t.y]), glm::dvec3(normals[t.z])};
+    }
+    const glm::dvec3 a(shape.vertices[t.x]), b(shape.vertices[t.y]), c(shape.vertices[t.z]);
+    const glm::dvec3 flat = glm::cross(b - a, c - a);
+    return {flat, flat, flat};
 }
 
 // Where a ray meets a triangle: the distance, and the barycentric weights of the second and the third corner.
@@ -44,17 +79,20 @@ std::optional<Crossing> intersect(const Triangle &p, const glm::dvec3 &origin, c
     return inside ? std::optional(crossing) : std::nullopt;
 }
 
-Hit describe(const Mesh &mesh, std::size_t index, const Crossing &crossing, const glm::dvec3 &origin,
+Hit describe(const Placed &mesh, std::size_t index, const Crossing &crossing, const glm::dvec3 &origin,
              const glm::dvec3 &direction) {
-    const auto &normals = mesh.corner_normals[index];
+    const Triangle normals = corner_normals(mesh.shape, index);
     const Triangle p = corners(mesh, index);
     Hit hit;
     hit.distance = crossing.distance;
     hit.position = origin + crossing.distance * direction;
-    hit.normal = glm::normalize((1.0 - crossing.u - crossing.v) * glm::dvec3(normals[0]) +
-                                crossing.u * glm::dvec3(normals[1]) + crossing.v * glm::dvec3(normals[2]));
+    // Interpolated in the shape's own space; into the world normals go with the inverse transpose.
+    const glm::dvec3 normal =
+        (1.0 - crossing.u - crossing.v) * normals[0] + crossing.u * normals[1] + crossing.v * normals[2];
+    hit.normal = glm::normalize(glm::transpose(glm::inverse(glm::dmat3(mesh.to_world))) * normal);
     hit.face = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
-    hit.albedo = glm::dvec3(mesh.albedo[mesh.material[index]]);
+    const std::vector<std::uint32_t> &material = mesh.shape.material;
+    hit.albedo = glm::dvec3(mesh.materials.albedo[material.empty() ? 0 : material[index]]);
     // The corner normals, not the order of the corners, tell which side of the triangle is the front. The eye's side is
     // the triangle's own: near a silhouette the interpolated normal of the side we see may well point away from us.
     hit.face *= glm::dot(hit.face, hit.normal) < 0.0 ? -1.0 : 1.0;
@@ -68,15 +106,15 @@ Hit describe(const Mesh &mesh, std::size_t index, const Crossing &crossing, cons
 
 std::optional<Hit> first_hit(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &direction, double reach) {
     std::optional<Hit> nearest;
-    for (const Mesh &mesh : scene.meshes) {
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for_each_place(scene, [&](const Placed &mesh) {
+        for (std::size_t i = 0; i < mesh.shape.triangles.size(); ++i) {
             const std::optional<Crossing> crossing = intersect(corners(mesh, i), origin, direction);
             if (crossing && crossing->distance >= 0.0 && crossing->distance <= reach) {
                 reach = crossing->distance;
                 nearest = describe(mesh, i, *crossing, origin, direction);
             }
         }
-    }
+    });
     return nearest;
 }
 
@@ -84,15 +122,14 @@ bool occluded(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &to
     // A triangle does not shade the points on it, nor a lamp the light on it: far more than rounding, far less than
     // anything one models.
     const double clearance = 1e-9 * (1.0 + glm::length(origin));
-    for (const Mesh &mesh : scene.meshes) {
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    bool met = false;
+    for_each_place(scene, [&](const Placed &mesh) {
+        for (std::size_t i = 0; !met && i < mesh.shape.triangles.size(); ++i) {
             const std::optional<Crossing> crossing = intersect(corners(mesh, i), origin, towards);
-            if (crossing && crossing->distance > clearance && crossing->distance < distance - clearance) {
-                return true;
-            }
+            met = crossing && crossing->distance > clearance && crossing->distance < distance - clearance;
         }
-    }
-    return false;
+    });
+    return met;
 }
 
 glm::dvec3 visibility(const Scene &scene, const glm::dvec3 &origin, const glm::dvec3 &towards, double distance) {

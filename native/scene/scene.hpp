@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a frame is made from: plain arrays in world space, metres, Z up, scene-linear RGB.
+// What a frame is made from: plain arrays, in world space where nothing else is said, metres, Z up, scene-linear RGB.
 // A field enters here with its first reader. `reference` shares this file with the methods and nothing else.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
 namespace sfumato {
+
+struct Grid; // media/grid.hpp
 
 // A layer that reflects like a mirror broken into facets: GGX (Walter et al. 2007) with Smith's shadowing.
 struct Gloss {
@@ -24,18 +27,40 @@ struct Gloss {
     bool apart = false;
 };
 
-// Triangles that reflect diffusely, and with gloss. Every triangle has three corner normals, so flat, smooth and custom
-// shading need no flag, and one row of `albedo`, so an object may carry several materials.
-struct Mesh {
+// Triangles in a space of their own, which any number of objects may share. Once shared it never changes: its address
+// is its identity, and what a frame makes of it is kept under that.
+struct Shape {
     std::vector<glm::vec3> vertices;
-    std::vector<glm::uvec3> triangles;                    // indices into vertices
-    std::vector<std::array<glm::vec3, 3>> corner_normals; // one triple per triangle, unit length
-    std::vector<std::uint32_t> material;                  // one per triangle, index into albedo
-    std::vector<glm::vec3> albedo;
-    std::vector<float> diffuse_roughness;                  // Burley's (2012), one for each albedo; or none: Lambert's
-    std::vector<Gloss> gloss;                              // one for each albedo; or none
+    std::vector<glm::uvec3> triangles; // indices into vertices
+    // Unit length: one triple for each triangle; or one for each vertex; or none of both, where faces are flat and
+    // their front is the side from which their corners run counterclockwise.
+    std::vector<std::array<glm::vec3, 3>> corner_normals;
+    std::vector<glm::vec3> vertex_normals;
+    std::vector<std::uint32_t> material; // one for each triangle, a row of Materials; or none: the first
     std::vector<std::array<glm::vec3, 3>> corner_tangents; // as corner_normals; or none
+};
+
+// How the triangles of an object reflect, diffusely and with gloss: a row for each of its materials.
+struct Materials {
+    std::vector<glm::vec3> albedo;
+    std::vector<float> diffuse_roughness; // Burley's (2012), one for each albedo; or none: Lambert's
+    std::vector<Gloss> gloss;             // one for each albedo; or none
     std::vector<glm::vec3> emission; // radiance on both sides, one for each albedo; or none. A POLYGON is its light
+};
+
+// What stands alone in the world.
+struct Mesh : Shape, Materials {};
+
+// One shape in any number of places.
+struct Instances {
+    std::shared_ptr<const Shape> shape;
+    Materials materials;
+    std::vector<glm::mat4> to_world;
+
+    Instances() = default;
+    Instances(Mesh mesh) // NOLINT(google-explicit-constructor): a mesh is an object in one place
+        : shape(std::make_shared<const Shape>(static_cast<Shape &&>(mesh))),
+          materials(static_cast<Materials &&>(mesh)), to_world{glm::mat4(1.0F)} {}
 };
 
 // Smoke: a grid of densities, cell-centred, interpolated trilinearly and zero outside.
@@ -44,6 +69,8 @@ struct Mesh {
 struct Medium {
     glm::uvec3 resolution{0};
     std::vector<float> density; // x runs fastest
+    // What the frame makes of the density, where that is known already: then `density` may be empty.
+    std::shared_ptr<const Grid> grid;
     glm::mat4 grid_to_world{1.0F};
     glm::vec3 scattering{1.0F}; // sigma_s per metre and unit density
     glm::vec3 absorption{0.0F}; // sigma_a per metre and unit density
@@ -78,7 +105,7 @@ struct Light {
 };
 
 struct Scene {
-    std::vector<Mesh> meshes;
+    std::vector<Instances> meshes;
     std::vector<Medium> media; // where they overlap, their densities add
     std::vector<Light> lights;
     glm::vec3 background{0.0F}; // radiance where no surface is; it lights nothing

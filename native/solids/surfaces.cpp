@@ -3,79 +3,176 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
+
+#include <glm/matrix.hpp>
 
 namespace sfumato {
+namespace {
 
-// One geometry for everything: a primitive number then says all that shading wants to know.
-Surfaces::Surfaces(std::span<const Mesh> meshes) {
-    std::size_t vertices = 0, triangles = 0;
-    for (const Mesh &mesh : meshes) {
-        vertices += mesh.vertices.size();
-        triangles += mesh.triangles.size();
-    }
-    if (triangles == 0) {
-        return;
-    }
-    device_.reset(rtcNewDevice(nullptr));
-    if (!device_) {
+EmbreeDevice new_device(int threads) {
+    const std::string settings = threads > 0 ? "threads=" + std::to_string(threads) : std::string();
+    EmbreeDevice device(rtcNewDevice(settings.c_str()));
+    if (!device) {
         throw std::runtime_error("Embree could not start");
     }
-    const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto *positions = static_cast<glm::vec3 *>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), vertices));
-    auto *indices = static_cast<glm::uvec3 *>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), triangles));
-    if (positions == nullptr || indices == nullptr) {
-        rtcReleaseGeometry(geometry);
-        throw std::runtime_error("no memory for the triangles of the scene");
+    return device;
+}
+
+void require_memory(RTCDevice device, const char *of) {
+    if (rtcGetDeviceError(device) == RTC_ERROR_OUT_OF_MEMORY) {
+        throw std::runtime_error(std::string("no memory for ") + of + " of the scene");
     }
-    corner_normals_.reserve(9 * triangles);
-    material_.reserve(triangles);
-    const bool tangents =
-        std::any_of(meshes.begin(), meshes.end(), [](const Mesh &mesh) { return !mesh.corner_tangents.empty(); });
-    std::uint32_t first_vertex = 0;
-    for (const Mesh &mesh : meshes) {
-        positions = std::copy(mesh.vertices.begin(), mesh.vertices.end(), positions);
-        indices = std::transform(mesh.triangles.begin(), mesh.triangles.end(), indices,
-                                 [first_vertex](glm::uvec3 t) { return t + first_vertex; });
-        first_vertex += static_cast<std::uint32_t>(mesh.vertices.size());
-        for (const auto &corners : mesh.corner_normals) {
-            for (const glm::vec3 &normal : corners) {
-                corner_normals_.insert(corner_normals_.end(), {normal.x, normal.y, normal.z});
-            }
-        }
-        for (std::size_t i = 0; tangents && i < mesh.triangles.size(); ++i) {
-            for (std::size_t corner = 0; corner < 3; ++corner) {
-                const glm::vec3 tangent =
-                    mesh.corner_tangents.empty() ? glm::vec3(0.0F) : mesh.corner_tangents[i][corner];
-                corner_tangents_.insert(corner_tangents_.end(), {tangent.x, tangent.y, tangent.z});
-            }
-        }
-        const auto first_material = static_cast<std::int32_t>(properties_.size() / MATERIAL_FLOATS);
-        for (const std::uint32_t material : mesh.material) {
-            material_.push_back(first_material + static_cast<std::int32_t>(material));
-        }
-        for (std::size_t i = 0; i < mesh.albedo.size(); ++i) {
-            const glm::vec3 &albedo = mesh.albedo[i];
-            const Gloss gloss = i < mesh.gloss.size() ? mesh.gloss[i] : Gloss{};
-            const glm::vec3 &f0 = gloss.reflectance;
-            const float rough = i < mesh.diffuse_roughness.size() ? mesh.diffuse_roughness[i] : -1.0F;
-            const glm::vec3 emission = i < mesh.emission.size() ? mesh.emission[i] : glm::vec3(0.0F);
-            properties_.insert(properties_.end(), {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge,
-                                                   gloss.alpha[0], gloss.alpha[1], gloss.apart ? 1.0F : 0.0F,
-                                                   gloss.index, emission.x, emission.y, emission.z, rough});
+}
+
+// The three columns of a matrix one after the other.
+void copy_columns(const glm::dmat3 &m, float (&to)[9]) {
+    for (int column = 0; column < 3; ++column) {
+        for (int row = 0; row < 3; ++row) {
+            to[3 * column + row] = static_cast<float>(m[column][row]);
         }
     }
+}
+
+// What takes normals to the world, not their lengths: the cofactors, which are the inverse transpose times the
+// determinant, and which an object without thickness has too.
+glm::dmat3 cofactors(const glm::dmat3 &m) {
+    const glm::dmat3 out(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    const double determinant = glm::dot(m[0], out[0]);
+    const double largest = std::max({glm::length(out[0]), glm::length(out[1]), glm::length(out[2]), 1e-300});
+    return out * ((determinant < 0.0 ? -1.0 : 1.0) / largest);
+}
+
+PlaceView view_of(const Shape &shape, const glm::mat4 &to_world, std::int32_t first_material) {
+    PlaceView view;
+    const auto first = [](const auto &values) { return values.empty() ? nullptr : &values.front()[0].x; };
+    view.vertices = shape.vertices.empty() ? nullptr : &shape.vertices.front().x;
+    view.triangles = shape.triangles.empty() ? nullptr : &shape.triangles.front().x;
+    view.corner_normals = first(shape.corner_normals);
+    view.vertex_normals = shape.vertex_normals.empty() ? nullptr : &shape.vertex_normals.front().x;
+    view.corner_tangents = first(shape.corner_tangents);
+    view.material = shape.material.empty() ? nullptr : shape.material.data();
+    view.first_material = first_material;
+    const glm::dmat3 linear = glm::dmat3(glm::dmat4(to_world));
+    copy_columns(linear, view.to_world);
+    copy_columns(cofactors(linear), view.normals_to_world);
+    return view;
+}
+
+void append_rows(const Materials &materials, std::vector<float> &properties) {
+    for (std::size_t i = 0; i < materials.albedo.size(); ++i) {
+        const glm::vec3 &albedo = materials.albedo[i];
+        const Gloss gloss = i < materials.gloss.size() ? materials.gloss[i] : Gloss{};
+        const glm::vec3 &f0 = gloss.reflectance;
+        const float rough = i < materials.diffuse_roughness.size() ? materials.diffuse_roughness[i] : -1.0F;
+        const glm::vec3 emission = i < materials.emission.size() ? materials.emission[i] : glm::vec3(0.0F);
+        properties.insert(properties.end(),
+                          {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge, gloss.alpha[0], gloss.alpha[1],
+                           gloss.apart ? 1.0F : 0.0F, gloss.index, emission.x, emission.y, emission.z, rough});
+    }
+}
+
+bool stands(const Instances &mesh) {
+    return mesh.shape && !mesh.shape->triangles.empty() && !mesh.to_world.empty();
+}
+
+} // namespace
+
+Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape) : shape_(std::move(shape)) {
+    const std::vector<glm::vec3> *vertices = &shape_->vertices;
+    if (vertices->capacity() == vertices->size()) {
+        // Embree loads sixteen bytes for the last vertex, too.
+        padded_.reserve(vertices->size() + 1);
+        padded_.assign(vertices->begin(), vertices->end());
+        vertices = &padded_;
+    }
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices->data(), 0,
+                               sizeof(glm::vec3), vertices->size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, shape_->triangles.data(), 0,
+                               sizeof(glm::uvec3), shape_->triangles.size());
     rtcCommitGeometry(geometry);
-    scene_.reset(rtcNewScene(device_.get()));
+    scene_.reset(rtcNewScene(device));
     rtcAttachGeometry(scene_.get(), geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene_.get());
+    require_memory(device, "the triangles");
+}
+
+Solids::Solids(int threads) : threads_(threads) {}
+
+std::shared_ptr<const Solid> Solids::solid(const std::shared_ptr<const Shape> &shape) {
+    return solids_.get(Key().part(shape), [&] { return Solid(device_.get(), shape); });
+}
+
+std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes) {
+    if (std::none_of(meshes.begin(), meshes.end(), stands)) {
+        return nullptr;
+    }
+    if (!device_) {
+        device_ = new_device(threads_);
+    }
+    Key key;
+    for (const Instances &mesh : meshes) {
+        if (stands(mesh)) {
+            key.part(solid(mesh.shape));
+            key.numbers(std::span(&mesh.to_world.front()[0].x, 16 * mesh.to_world.size()));
+        }
+    }
+    return places_.get(key, [&] {
+        Places places;
+        places.scene.reset(rtcNewScene(device_.get()));
+        for (const Instances &mesh : meshes) {
+            if (!stands(mesh)) {
+                continue;
+            }
+            const std::shared_ptr<const Solid> what = solid(mesh.shape);
+            for (const glm::mat4 &to_world : mesh.to_world) {
+                const RTCGeometry place = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+                rtcSetGeometryInstancedScene(place, what->scene());
+                rtcSetGeometryTransform(place, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0].x);
+                rtcCommitGeometry(place);
+                rtcAttachGeometryByID(places.scene.get(), place, static_cast<unsigned>(places.solids.size()));
+                rtcReleaseGeometry(place);
+                places.solids.push_back(what);
+            }
+        }
+        rtcCommitScene(places.scene.get());
+        require_memory(device_.get(), "the instances");
+        return places;
+    });
+}
+
+void Solids::end_round() {
+    places_.end_round();
+    solids_.end_round();
+}
+
+Surfaces::Surfaces(std::span<const Instances> meshes, Solids &solids) : places_(solids.places(meshes)) {
+    if (!places_) {
+        return;
+    }
+    views_.reserve(places_->solids.size());
+    for (const Instances &mesh : meshes) {
+        if (!stands(mesh)) {
+            continue;
+        }
+        const auto first_material = static_cast<std::int32_t>(properties_.size() / MATERIAL_FLOATS);
+        append_rows(mesh.materials, properties_);
+        tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
+        for (const glm::mat4 &to_world : mesh.to_world) {
+            views_.push_back(view_of(*mesh.shape, to_world, first_material));
+        }
+    }
+}
+
+Surfaces::Surfaces(std::span<const Instances> meshes) {
+    Solids solids;
+    *this = Surfaces(meshes, solids);
 }
 
 SurfaceView Surfaces::view() const {
-    return {scene_.get(), corner_normals_.data(), material_.data(), properties_.data(),
-            corner_tangents_.empty() ? nullptr : corner_tangents_.data()};
+    return {places_ ? places_->scene.get() : nullptr, views_.data(), properties_.data(), tangents_};
 }
 
 } // namespace sfumato

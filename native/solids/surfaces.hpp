@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// All meshes of a scene as one Embree scene, with the attributes that shading reads.
+// The meshes of a scene as Embree scenes, one for each shape and one of all its places, with what shading reads.
 #pragma once
 
+#include "scene/kept.hpp"
 #include "scene/scene.hpp"
 #include "text/kernels.hpp"
 
@@ -10,27 +11,67 @@
 #include <type_traits>
 #include <vector>
 
-#include <glm/vec3.hpp>
-
 namespace sfumato {
 
-class Surfaces {
-public:
-    explicit Surfaces(std::span<const Mesh> meshes);
+// Embree's objects are counted by Embree.
+struct ReleaseEmbree {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+using EmbreeDevice = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseEmbree>;
+using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseEmbree>;
 
-    [[nodiscard]] SurfaceView view() const;
+// A shape, ready to be met by rays in its own space.
+class Solid {
+public:
+    Solid(RTCDevice device, std::shared_ptr<const Shape> shape);
+    [[nodiscard]] RTCScene scene() const { return scene_.get(); }
+    [[nodiscard]] const Shape &shape() const { return *shape_; }
 
 private:
-    struct Release {
-        void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-        void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-    };
-    std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device_;
-    std::unique_ptr<std::remove_pointer_t<RTCScene>, Release> scene_; // null where there are no triangles
-    std::vector<float> corner_normals_;
-    std::vector<std::int32_t> material_;
+    std::shared_ptr<const Shape> shape_; // whose arrays Embree reads
+    std::vector<glm::vec3> padded_;      // its vertices, where Embree cannot read past the end of the shape's own
+    EmbreeScene scene_;
+};
+
+// Where the solids of a scene stand, for rays in the world.
+struct Places {
+    std::vector<std::shared_ptr<const Solid>> solids; // of each place
+    EmbreeScene scene;
+};
+
+// What was made of shapes before.
+class Solids {
+public:
+    explicit Solids(int threads = 0); // of Embree's own work; 0: as many as there are
+    std::shared_ptr<const Solid> solid(const std::shared_ptr<const Shape> &shape);
+    std::shared_ptr<const Places> places(std::span<const Instances> meshes); // null where there are no triangles
+    void end_round();
+    // Ever.
+    [[nodiscard]] std::size_t made() const { return solids_.made(); }
+    [[nodiscard]] std::size_t places_made() const { return places_.made(); }
+
+private:
+    EmbreeDevice device_;
+    int threads_;
+    Kept<Solid> solids_;
+    Kept<Places> places_;
+};
+
+// All meshes of a scene.
+class Surfaces {
+public:
+    Surfaces(std::span<const Instances> meshes, Solids &solids);
+    explicit Surfaces(std::span<const Instances> meshes);
+
+    [[nodiscard]] SurfaceView view() const;
+    [[nodiscard]] const std::shared_ptr<const Places> &places() const { return places_; } // null without triangles
+
+private:
+    std::shared_ptr<const Places> places_;
+    std::vector<PlaceView> views_;  // of each place
     std::vector<float> properties_; // of materials
-    std::vector<float> corner_tangents_;
+    bool tangents_ = false;
 };
 
 } // namespace sfumato

@@ -101,13 +101,13 @@ struct LightView {
     const LightMapView *maps = nullptr; // for each sample and medium; the medium runs fastest
 };
 
-// A body of smoke. Of its light volumes one belongs to each light, of `colours` + 1 channels: the optical depth towards
-// the light in each colour (in the only one, where all smoke is grey), and the share of the light's falloff() that
-// gets past solids, and past the edges of its cone.
+// A body of smoke. Each light has a volume, of the grid's cells and of `light_channels` numbers a cell: the optical
+// depth towards the light in each colour (in the only one, where all smoke is grey), and the share of the light's
+// falloff() that gets past solids, and past the edges of its cone.
 struct MediumView {
     GridView density;
-    GridView light;                // the first light's
-    std::ptrdiff_t next_light = 0; // floats from one light's volume to the next
+    std::span<const float *const> light; // of each light
+    int light_channels = 1;
     ClearanceView clearance;
     Affine world_to_grid;
     float extinction[3] = {0.0F, 0.0F, 0.0F}; // per metre and unit density
@@ -129,15 +129,27 @@ struct LightSlice {
 
 constexpr int MATERIAL_FLOATS = 15;
 
-// The triangles' attributes, indexed by Embree's primitive number.
+// One place of a shape: its arrays, as scene.hpp has them, null where it has none, and what takes its normals and
+// tangents to the world, column by column.
+struct PlaceView {
+    const float *vertices = nullptr;
+    const std::uint32_t *triangles = nullptr;
+    const float *corner_normals = nullptr;
+    const float *vertex_normals = nullptr;
+    const float *corner_tangents = nullptr;
+    const std::uint32_t *material = nullptr;
+    std::int32_t first_material = 0; // of its rows among all properties
+    float to_world[9];
+    float normals_to_world[9];
+};
+
 struct SurfaceView {
-    RTCScene scene = nullptr;
-    const float *corner_normals = nullptr;  // nine floats a triangle
-    const std::int32_t *material = nullptr; // one a triangle
+    RTCScene scene = nullptr;          // of instances
+    const PlaceView *places = nullptr; // by Embree's number of the instance
     // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, index, emission,
     // diffuse roughness (negative for none)
     const float *properties = nullptr;
-    const float *corner_tangents = nullptr; // nine floats a triangle; null where no mesh has any
+    bool tangents = false; // whether any shape has tangents
 };
 
 struct FrameView {

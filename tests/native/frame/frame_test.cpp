@@ -53,7 +53,8 @@ TEST(Picture, OfSmokeAloneIsThatOfTheReference) {
 // map is no better: the edge is then cut harder than the cells can show.
 TEST(Picture, OfSmokeInTheShadowOfABlackBlockIsThatOfTheReference) {
     Scene scene = smoke_over_floor();
-    scene.meshes = block({-1.5F, -1.3F, 0.0F}, {0.7F, 0.7F, 2.0F}, glm::vec3(0.0F));
+    const std::vector<Mesh> sides = block({-1.5F, -1.3F, 0.0F}, {0.7F, 0.7F, 2.0F}, glm::vec3(0.0F));
+    scene.meshes.assign(sides.begin(), sides.end());
     scene.background = glm::vec3(0.0F);
     const auto expected = exact(scene);
     for (const Quality &quality : qualities) {
@@ -189,7 +190,7 @@ TEST(Picture, OfSmokeUnderARoofIsTheBackgroundThroughTheSmoke) {
 TEST(Picture, TakesMeshesWithoutTrianglesAndTrianglesWithoutArea) {
     Scene scene = smoke_over_floor();
     const std::vector<float> plain = render(scene, finest, 16);
-    scene.meshes.emplace_back();
+    scene.meshes.emplace_back(Mesh{});
     Mesh needle = parallelogram({0, 0, 0.5F}, {1, 0, 0}, {0, 1, 0}, glm::vec3(0.5F));
     needle.vertices[1] = needle.vertices[3] = needle.vertices[2];
     scene.meshes.push_back(needle);

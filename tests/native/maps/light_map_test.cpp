@@ -28,7 +28,7 @@ const glm::dvec3 along = glm::normalize(glm::dvec3(0.5, -0.3, -1.0));
 const glm::dvec3 down(0.0, 0.0, -1.0);
 
 LightMap map_of(const Medium &medium, int coefficients, double texels_per_cell) {
-    return build_parallel_map(crop(medium), along, {}, {coefficients, texels_per_cell});
+    return build_parallel_map(crop(medium), along, {coefficients, texels_per_cell});
 }
 
 // What the map says of points that it knows as (x, y, z), and what the reference says.
@@ -148,7 +148,7 @@ TEST(LightMap, HasNoSmokeBeforeTheSmokeOrBesideIt) {
 // However coarse the map, its outermost texels are empty: they answer for the rest of the world.
 TEST(LightMap, OfFewTexelsEndsAtTheSmokeToo) {
     const Medium medium = uniform_medium({6, 6, 4}, 1.0F, glm::mat4(1.0F));
-    const LightMap map = build_parallel_map(crop(medium), down, {}, {3, 0.25});
+    const LightMap map = build_parallel_map(crop(medium), down, {3, 0.25});
     for (const glm::vec3 &point : {glm::vec3(-50, 3, -1), glm::vec3(50, 3, -1), glm::vec3(3, -50, -1)}) {
         float column = -1.0F;
         map.look_up({&point.x, 3}, {&column, 1});
@@ -159,7 +159,7 @@ TEST(LightMap, OfFewTexelsEndsAtTheSmokeToo) {
 // Few slices and many harmonics: smoke that is even along the light must not fall apart into the slices.
 TEST(LightMap, OfEvenSmokeRisesEvenly) {
     const Medium medium = uniform_medium({6, 6, 4}, 1.0F, glm::mat4(1.0F));
-    const LightMap map = build_parallel_map(crop(medium), down, {}, {63, 1.0});
+    const LightMap map = build_parallel_map(crop(medium), down, {63, 1.0});
     for (float depth = 0.5F; depth <= 3.5F; depth += 0.05F) {
         const glm::vec3 point(3.0F, 3.0F, 4.0F - depth);
         float column = 0.0F;
@@ -198,7 +198,7 @@ TEST(LightMap, TakesAnySun) {
         EXPECT_NEAR(glm::determinant(axes), 1.0, 1e-12); // right-handed, and so of unit length
         EXPECT_NEAR(glm::distance(axes * glm::transpose(axes) * glm::dvec3(1, 2, 3), glm::dvec3(1, 2, 3)), 0.0, 1e-12);
         EXPECT_NEAR(glm::distance(axes[2], any), 0.0, 1e-6);
-        const LightMap map = build_parallel_map(crop(medium), any, {}, {31, 2.0});
+        const LightMap map = build_parallel_map(crop(medium), any, {31, 2.0});
         const glm::vec3 points[] = {glm::vec3(2.0F), glm::vec3(2.0F) + 9.0F * glm::vec3(any)};
         float columns[2];
         map.look_up({&points[0].x, 6}, columns);
@@ -211,7 +211,7 @@ TEST(LightMap, TakesAnySun) {
 // Two and a half million texels of 65 floats are asked for.
 TEST(LightMap, StaysWithinItsMemory) {
     const Medium medium = uniform_medium({200, 200, 2}, 1.0F, glm::mat4(1.0F));
-    const LightMap map = build_parallel_map(crop(medium), down, {}, {63, 8.0});
+    const LightMap map = build_parallel_map(crop(medium), down, {63, 8.0});
     EXPECT_LT(map.coefficients.size(), 69'000'000U);
     EXPECT_GT(map.coefficients.size(), 65'000'000U);
     const glm::vec3 below(100.0F, 100.0F, -1.0F);
@@ -224,7 +224,7 @@ TEST(LightMap, StaysWithinItsMemory) {
 TEST(LightMap, OfThinCellsHasNoMoreTexelsThanTheyShow) {
     const glm::mat4 thin = glm::scale(glm::mat4(1.0F), glm::vec3(1.0F, 1.0F, 1e-3F));
     const Medium medium = uniform_medium({40, 40, 4}, 1.0F, thin);
-    const LightMap map = build_parallel_map(crop(medium), down, {}, {3, 1.0});
+    const LightMap map = build_parallel_map(crop(medium), down, {3, 1.0});
     EXPECT_LT(map.texels(), 40'000U);
     const glm::vec3 below(20.0F, 20.0F, -1.0F);
     float column = 0.0F;
@@ -276,7 +276,7 @@ TEST(Kernels, BuildTheSameMaps) {
     const Medium medium = random_medium({12, 14, 16}, oblique_grid(), 35);
     const LightMap map = map_of(medium, 31, 2.0);
     for (const Kernels &set : available_kernels()) {
-        const LightMap other = build_parallel_map(crop(medium), along, {}, {31, 2.0}, set);
+        const LightMap other = build_parallel_map(crop(medium), along, {31, 2.0}, set);
         ASSERT_EQ(other.coefficients.size(), map.coefficients.size());
         for (std::size_t i = 0; i < map.coefficients.size(); ++i) {
             EXPECT_NEAR(other.coefficients[i], map.coefficients[i], 1e-5) << set.name;

@@ -33,12 +33,13 @@ struct Lit {
     Surfaces surfaces;
     std::vector<CroppedMedium> media;
     bool grey;
+    LightParts parts;
     Lighting lighting;
 
     Lit(const Scene &scene, int samples, const Kernels &with = kernels())
         : surfaces(scene.meshes), media(cropped(scene)),
           grey(std::all_of(media.begin(), media.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
-          lighting(scene.lights, media, surfaces.view(), {{31, 4.0}, samples}, grey, with) {}
+          lighting(scene.lights, media, surfaces, {{31, 4.0}, samples}, grey, with, parts) {}
 
     static std::vector<CroppedMedium> cropped(const Scene &scene) {
         std::vector<CroppedMedium> out;
@@ -54,11 +55,12 @@ struct Lit {
 template <typename Visit>
 void for_each_lit_cell(const Lit &lit, std::size_t medium, std::size_t light, int stride, const Visit &visit) {
     const CroppedMedium &smoke = lit.media[medium];
-    const glm::ivec3 n = smoke.resolution;
-    const float *values = smoke.light.data() + light * smoke.density.size() * std::size_t(smoke.light_channels);
+    const glm::ivec3 n = smoke.grid->resolution;
+    const std::vector<float> &density = smoke.grid->density;
+    const float *values = smoke.light[light]->data();
     int cells = 0;
-    for (std::size_t cell = 0; cell < smoke.density.size(); ++cell, values += smoke.light_channels) {
-        if (smoke.density[cell] > 1e-3F && cells++ % stride == 0) {
+    for (std::size_t cell = 0; cell < density.size(); ++cell, values += smoke.light_channels) {
+        if (density[cell] > 1e-3F && cells++ % stride == 0) {
             const glm::ivec3 at(int(cell) % n.x, int(cell) / n.x % n.y, int(cell) / n.x / n.y);
             visit(glm::dvec3(smoke.grid_to_world * glm::dvec4(glm::dvec3(at) + 0.5, 1.0)), values);
         }
@@ -372,7 +374,7 @@ TEST(Lighting, OfAPolygonInItsOwnMeshIsThatWithoutTheMesh) {
     scene.meshes = {parallelogram(corners[0], corners[1] - corners[0], corners[3] - corners[0], glm::vec3(0.0F))};
     const Lit own(scene, 16);
     for (std::size_t m = 0; m < 2; ++m) {
-        const std::vector<float> &a = open.media[m].light, &b = own.media[m].light;
+        const std::vector<float> &a = *open.media[m].light[0], &b = *own.media[m].light[0];
         double most = 0.0, apart = 0.0;
         for (std::size_t i = 1; i < a.size(); i += 2) {
             most = std::max(most, double{a[i]});
@@ -485,14 +487,17 @@ TEST(Kernels, FillTheSameLightVolumes) {
         for (const Kernels &set : available_kernels()) {
             const Lit other(scene, 4, set);
             for (std::size_t m = 0; m < 2; ++m) {
-                const std::vector<float> &a = lit.media[m].light, &b = other.media[m].light;
-                ASSERT_EQ(a.size(), b.size());
+                ASSERT_EQ(lit.media[m].light.size(), other.media[m].light.size());
                 double worst = 0.0;
-                for (std::size_t cell = 0; cell < a.size(); cell += 4) {
-                    for (std::size_t c = 0; c < 3; ++c) {
-                        const float arriving = a[cell + 3] * std::exp(-a[cell + c]);
-                        const float others = b[cell + 3] * std::exp(-b[cell + c]);
-                        worst = std::max(worst, double{std::abs(arriving - others)});
+                for (std::size_t light = 0; light < scene.lights.size(); ++light) {
+                    const std::vector<float> &a = *lit.media[m].light[light], &b = *other.media[m].light[light];
+                    ASSERT_EQ(a.size(), b.size());
+                    for (std::size_t cell = 0; cell < a.size(); cell += 4) {
+                        for (std::size_t c = 0; c < 3; ++c) {
+                            const float arriving = a[cell + 3] * std::exp(-a[cell + c]);
+                            const float others = b[cell + 3] * std::exp(-b[cell + c]);
+                            worst = std::max(worst, double{std::abs(arriving - others)});
+                        }
                     }
                 }
                 EXPECT_LT(worst, with_wall ? 5e-5 : 1e-5) << set.name;

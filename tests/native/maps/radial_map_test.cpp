@@ -80,7 +80,7 @@ Compared compare(const Medium &medium, const glm::dvec3 &light, const LightMapSe
         compared.exact.push_back(reference::column(medium, light, at));
     }
     compared.map.resize(points.size());
-    build_radial_map(crop(medium), light, {}, settings).look_up(world, compared.map);
+    build_radial_map(crop(medium), light, settings).look_up(world, compared.map);
     return compared;
 }
 
@@ -174,7 +174,7 @@ TEST(RadialMap, EndsBesideTheSmoke) {
         for (int i = 0; i < 200; ++i) {
             const double x = uniform(generator), y = uniform(generator);
             const glm::dvec3 light = in_world(box, {x, y, uniform(generator)});
-            const LightMap map = build_radial_map(crop(box), light, {}, {1, i % 2 == 0 ? 0.25 : 1.0});
+            const LightMap map = build_radial_map(crop(box), light, {1, i % 2 == 0 ? 0.25 : 1.0});
             if (map.high.x - map.low.x == 2.0 || map.high.y - map.low.y == 2.0) {
                 continue;
             }
@@ -196,7 +196,7 @@ TEST(RadialMap, EndsBesideTheSmoke) {
 TEST(RadialMap, OfThinCellsHasNoMoreTexelsThanTheyShow) {
     const Medium medium = uniform_medium({40, 40, 4}, 1.0F, glm::scale(glm::mat4(1.0F), glm::vec3(1.0F, 1.0F, 1e-3F)));
     const glm::dvec3 light(20.0, 20.0, 40.0);
-    const LightMap map = build_radial_map(crop(medium), light, {}, {31, 1.0});
+    const LightMap map = build_radial_map(crop(medium), light, {31, 1.0});
     EXPECT_LT(map.texels(), 40'000U);
     const glm::vec3 below(20.0F, 20.0F, -20.0F);
     float column = 0.0F;
@@ -216,8 +216,9 @@ TEST(RadialMap, KnowsTheFirstSolidOnEachOfItsRays) {
             scene.meshes.push_back(parallelogram(at, {0.7F, 0.2F, 0.1F}, {-0.1F, 0.8F, 0.3F}, glm::vec3(0.5F)));
         }
         const Surfaces surfaces(scene.meshes);
-        const LightMap map = build_radial_map(crop(medium), light, surfaces.view(), {1, 2.0});
-        ASSERT_EQ(map.solid_depth.size(), map.texels());
+        const LightMap map = build_radial_map(crop(medium), light, {1, 2.0});
+        const SolidDepths solids = find_solids(map, surfaces.view());
+        ASSERT_EQ(solids.size(), map.texels());
         const glm::dmat3 to_world = glm::transpose(glm::dmat3(map.world_to_light));
         int hits = 0;
         for (std::size_t i = 0; i < map.texels(); ++i) {
@@ -228,10 +229,10 @@ TEST(RadialMap, KnowsTheFirstSolidOnEachOfItsRays) {
             const auto hit = reference::first_hit(scene, light, glm::normalize(direction), 1e6);
             if (hit) {
                 const double depth = (hit->distance - map.low.z) / (map.high.z - map.low.z);
-                EXPECT_NEAR(map.solid_depth[i], depth, 1e-5 * std::max(1.0, std::abs(depth))) << place.name;
+                EXPECT_NEAR(solids[i], depth, 1e-5 * std::max(1.0, std::abs(depth))) << place.name;
                 ++hits;
             } else {
-                EXPECT_GT(map.solid_depth[i], 1e30F) << place.name;
+                EXPECT_GT(solids[i], 1e30F) << place.name;
             }
         }
         EXPECT_GT(hits, 5) << place.name;
@@ -241,9 +242,9 @@ TEST(RadialMap, KnowsTheFirstSolidOnEachOfItsRays) {
 TEST(RadialMap, IsTheSameOnEveryInstructionSet) {
     const CroppedMedium medium = crop(smooth_medium({16, 18, 20}, oblique_grid()));
     for (const glm::dvec3 &light : {glm::dvec3(3.0, 2.0, 9.0), glm::dvec3(0.9, 0.2, 2.5)}) {
-        const LightMap map = build_radial_map(medium, light, {}, {31, 1.0});
+        const LightMap map = build_radial_map(medium, light, {31, 1.0});
         for (const Kernels &set : available_kernels()) {
-            const LightMap other = build_radial_map(medium, light, {}, {31, 1.0}, set);
+            const LightMap other = build_radial_map(medium, light, {31, 1.0}, set);
             ASSERT_EQ(other.coefficients.size(), map.coefficients.size());
             // Rays that graze smoke may differ in their range, which says nothing about what they hold.
             const auto stride = static_cast<std::size_t>(map.view().stride());

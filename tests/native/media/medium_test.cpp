@@ -19,8 +19,9 @@ using reference::testing::random_medium;
 using reference::testing::uniform_medium;
 
 float density(const CroppedMedium &medium, const glm::ivec3 &cell) {
-    const std::ptrdiff_t row = std::ptrdiff_t{cell.z} * medium.resolution.y + cell.y;
-    return medium.density[static_cast<std::size_t>(row * medium.resolution.x + cell.x)];
+    const glm::ivec3 &n = medium.grid->resolution;
+    const std::ptrdiff_t row = std::ptrdiff_t{cell.z} * n.y + cell.y;
+    return medium.grid->density[static_cast<std::size_t>(row * n.x + cell.x)];
 }
 
 template <typename Visit>
@@ -36,7 +37,7 @@ void for_each_cell(const glm::ivec3 &size, const Visit &visit) {
 
 double mass(const CroppedMedium &medium) {
     double sum = 0.0;
-    for_each_cell(medium.resolution, [&](const glm::ivec3 &cell) { sum += double{density(medium, cell)}; });
+    for_each_cell(medium.grid->resolution, [&](const glm::ivec3 &cell) { sum += double{density(medium, cell)}; });
     return sum;
 }
 
@@ -60,8 +61,8 @@ TEST(Crop, KeepsAllSmokeWhereItIs) {
         const Medium medium = sparse_medium(seed);
         const CroppedMedium cropped = crop(medium);
         EXPECT_EQ(mass(cropped), mass(medium));
-        EXPECT_TRUE(glm::all(glm::lessThanEqual(cropped.resolution, glm::ivec3(medium.resolution) + 2)));
-        for_each_cell(cropped.resolution, [&](const glm::ivec3 &cell) {
+        EXPECT_TRUE(glm::all(glm::lessThanEqual(cropped.grid->resolution, glm::ivec3(medium.resolution) + 2)));
+        for_each_cell(cropped.grid->resolution, [&](const glm::ivec3 &cell) {
             const glm::dvec4 world = cropped.grid_to_world * glm::dvec4(glm::dvec3(cell) + 0.5, 1.0);
             EXPECT_NEAR(density(cropped, cell), reference::density(medium, world), 1e-5);
         });
@@ -71,14 +72,14 @@ TEST(Crop, KeepsAllSmokeWhereItIs) {
 TEST(Crop, LeavesOneEmptyCellOnEverySide) {
     for (const CroppedMedium &medium : {crop(sparse_medium(1)), crop(random_medium({5, 6, 7}, oblique_grid(), 2))}) {
         glm::ivec3 low(1000), high(-1);
-        for_each_cell(medium.resolution, [&](const glm::ivec3 &cell) {
+        for_each_cell(medium.grid->resolution, [&](const glm::ivec3 &cell) {
             if (density(medium, cell) > 0.0F) {
                 low = glm::min(low, cell);
                 high = glm::max(high, cell);
             }
         });
         EXPECT_EQ(low, glm::ivec3(1));
-        EXPECT_EQ(high, medium.resolution - 2);
+        EXPECT_EQ(high, medium.grid->resolution - 2);
     }
 }
 
@@ -91,9 +92,9 @@ TEST(Crop, ForgetsWhatDarkensNothing) {
     medium.density[5 * 12] = 0.99F * threshold;
     EXPECT_TRUE(crop(medium).empty());
     medium.density[5 * 12] = 1.01F * threshold;
-    EXPECT_EQ(crop(medium).resolution, glm::ivec3(3));
+    EXPECT_EQ(crop(medium).grid->resolution, glm::ivec3(3));
     medium.density[0] = 0.99F * threshold;
-    EXPECT_EQ(crop(medium).resolution, glm::ivec3(3));
+    EXPECT_EQ(crop(medium).grid->resolution, glm::ivec3(3));
 }
 
 TEST(Crop, OfNothingIsNothing) {
@@ -131,8 +132,8 @@ TEST(Clearance, PromisesNoMoreThanThereIs) {
         const CroppedMedium medium = crop(sparse_medium(seed));
         float furthest = 0.0F;
         std::size_t index = 0;
-        for_each_cell(medium.bricks, [&](const glm::ivec3 &brick) {
-            const float clear = medium.clearance[index++];
+        for_each_cell(medium.grid->bricks, [&](const glm::ivec3 &brick) {
+            const float clear = medium.grid->clearance[index++];
             furthest = std::max(furthest, clear);
             // The samples that interpolation anywhere in this range reads.
             const glm::ivec3 low = brick * BRICK - 1, high = (brick + 1) * BRICK;
@@ -141,13 +142,13 @@ TEST(Clearance, PromisesNoMoreThanThereIs) {
             for_each_cell(high - low + 1 + 2 * reach, [&](const glm::ivec3 &offset) {
                 const glm::ivec3 cell = low - reach + offset;
                 if (glm::all(glm::greaterThanEqual(cell, glm::ivec3(0))) &&
-                    glm::all(glm::lessThan(cell, medium.resolution))) {
+                    glm::all(glm::lessThan(cell, medium.grid->resolution))) {
                     most = std::max(most, density(medium, cell));
                 }
             });
             EXPECT_EQ(most > 0.0F, clear < 0.0F) << "seed " << seed << ", clearance " << clear;
         });
-        EXPECT_EQ(index, medium.clearance.size());
+        EXPECT_EQ(index, medium.grid->clearance.size());
         EXPECT_GT(furthest, 0.0F) << seed; // there is something to leap over
     }
 }

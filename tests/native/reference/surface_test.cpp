@@ -69,8 +69,9 @@ TEST(FirstHit, InterpolatesCornerNormalsForTheSideThatIsSeen) {
     EXPECT_NEAR(glm::distance(back->normal, -expected), 0.0, 1e-7);
     EXPECT_NEAR(front->albedo.x, 0.9, 1e-7);
     // The order of the corners carries no meaning.
-    std::swap(scene.meshes[0].triangles[0].y, scene.meshes[0].triangles[0].z);
-    std::swap(scene.meshes[0].corner_normals[0][1], scene.meshes[0].corner_normals[0][2]);
+    std::swap(mesh.triangles[0].y, mesh.triangles[0].z);
+    std::swap(mesh.corner_normals[0][1], mesh.corner_normals[0][2]);
+    scene.meshes = {mesh};
     const auto reversed = first_hit(scene, {0.2, 0.3, 1.0}, {0, 0, -1}, 10.0);
     ASSERT_TRUE(reversed);
     EXPECT_NEAR(glm::distance(reversed->normal, expected), 0.0, 1e-7);
@@ -195,7 +196,7 @@ TEST(Shadow, OfALocalLightIsThatOfWhatStandsBeforeIt) {
     const auto plate = [](float height) { return parallelogram({-5, -5, height}, {10, 0, 0}, {0, 10, 0}, grey); };
     const Light bulb = point_light({0, 0, 2}, glm::vec3(1.0F)), ball = point_light({0, 0, 2}, glm::vec3(1.0F), 0.5F);
     const Light panel = area_light(Light::Kind::ELLIPSE, {0, 0, 2}, {0.5F, 0, 0}, {0, 0.5F, 0}, glm::vec3(1.0F));
-    const Mesh floor = scene.meshes[0];
+    const Instances floor = scene.meshes[0];
     for (const Light &light : {bulb, ball, panel}) {
         scene.lights = {light};
         scene.meshes = {floor};

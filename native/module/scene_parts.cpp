@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Meshes, materials and grids: what Python hands over, checked and taken once.
+#include "module/scene_parts.hpp"
+
+#include "media/medium.hpp"
+#include "module/parts.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <glm/matrix.hpp>
+#include <pybind11/stl.h>
+#include <xxhash.h>
+
+namespace sfumato {
+namespace {
+
+using namespace arguments;
+
+// Rows of seven numbers in [0, 1] and an index of refraction.
+std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
+    constexpr py::ssize_t WIDTH = 8;
+    require_shape(array, {count, WIDTH}, "gloss");
+    std::vector<Gloss> out;
+    for (py::ssize_t first = 0; first < array.size(); first += WIDTH) {
+        const float *row = array.data() + first;
+        for (py::ssize_t k = 0; k < WIDTH; ++k) {
+            const bool last = k == WIDTH - 1;
+            if (last ? !is_index(row[k]) : !(row[k] >= 0.0F && row[k] <= 1.0F)) {
+                throw py::value_error("gloss holds " + text(row[k]) + " at flat index " + text(first + k) + "; " +
+                                      (last ? "an index of refraction must be " + std::string(INDEX_RANGE)
+                                            : "every value but the index of refraction must lie between 0 and 1"));
+            }
+        }
+        out.push_back({{row[0], row[1], row[2]}, row[3], row[7], {row[4], row[5]}, row[6] > 0.0F});
+    }
+    return out;
+}
+
+void vectors(const Floats &array, std::vector<glm::vec3> &out) {
+    const auto *first = reinterpret_cast<const glm::vec3 *>(array.data());
+    // One more than there are: Embree loads sixteen bytes for the last of them, too.
+    out.reserve(static_cast<std::size_t>(array.size() / 3) + 1);
+    out.assign(first, first + array.size() / 3);
+}
+
+std::vector<std::array<glm::vec3, 3>> corners(const Floats &array) {
+    const auto *first = reinterpret_cast<const std::array<glm::vec3, 3> *>(array.data());
+    return {first, first + array.size() / 9};
+}
+
+// What meshes have millions of comes as 32-bit integers; anything else takes the slower way.
+std::vector<std::uint32_t> any_indices(const py::array &array, py::ssize_t count, const std::string &name) {
+    if (!array.dtype().is(py::dtype::of<std::int32_t>())) {
+        return indices(Doubles(any_array(array, name)), count, name);
+    }
+    const auto given = py::array_t<std::int32_t, py::array::c_style>::ensure(array);
+    const std::int32_t *const first = given.data();
+    const auto wrong =
+        std::find_if(first, first + given.size(), [count](std::int32_t value) { return value < 0 || value >= count; });
+    if (wrong != first + given.size()) {
+        throw py::value_error(name + " holds " + text(*wrong) + " at flat index " + text(wrong - first) +
+                              "; every value must be one of the " + text(count) + " indices from 0");
+    }
+    return {first, first + given.size()};
+}
+
+// 128 bits that differ wherever the arrays' types, shapes or bytes do.
+py::bytes content_hash(const py::args &arrays) {
+    XXH3_state_t *const state = XXH3_createState();
+    const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> owner(state, &XXH3_freeState);
+    XXH3_128bits_reset(state);
+    for (const py::handle &each : arrays) {
+        const py::array array = py::array::ensure(each, py::array::c_style);
+        if (!array) {
+            throw py::value_error("arrays hold " + std::string(py::repr(each)) + ", which is no array");
+        }
+        const std::string head = std::string(py::str(array.dtype())) + shape_of(array);
+        XXH3_128bits_update(state, head.data(), head.size());
+        const py::gil_scoped_release unlocked;
+        XXH3_128bits_update(state, array.data(), static_cast<std::size_t>(array.nbytes()));
+    }
+    XXH128_canonical_t digest;
+    XXH128_canonicalFromHash(&digest, XXH3_128bits_digest(state));
+    return {reinterpret_cast<const char *>(digest.digest), sizeof digest.digest};
+}
+
+} // namespace
+
+CheckedMesh checked_mesh(const Floats &vertices, const py::array &triangles, const std::optional<Floats> &normals,
+                         const std::optional<py::array> &material, const std::optional<Floats> &tangents) {
+    require_shape(vertices, {-1, 3}, "vertices");
+    require_shape(triangles, {-1, 3}, "triangles");
+    require_finite(vertices, "vertices");
+    const py::ssize_t count = triangles.shape(0);
+    auto shape = std::make_shared<Shape>();
+    vectors(vertices, shape->vertices);
+    const std::vector<std::uint32_t> all = any_indices(triangles, vertices.shape(0), "triangles");
+    const auto *first = reinterpret_cast<const glm::uvec3 *>(all.data());
+    shape->triangles.assign(first, first + count);
+    if (normals) {
+        require_finite(*normals, "normals");
+        if (normals->ndim() == 3) {
+            require_shape(*normals, {count, 3, 3}, "normals");
+            shape->corner_normals = corners(*normals);
+        } else {
+            require_shape(*normals, {vertices.shape(0), 3}, "normals");
+            vectors(*normals, shape->vertex_normals);
+        }
+    }
+    if (tangents) {
+        require_shape(*tangents, {count, 3, 3}, "tangents");
+        require_finite(*tangents, "tangents");
+        shape->corner_tangents = corners(*tangents);
+    }
+    CheckedMesh mesh;
+    mesh.materials = count > 0 ? 1 : 0;
+    if (material) {
+        require_shape(*material, {count}, "material");
+        shape->material = any_indices(*material, std::numeric_limits<std::int32_t>::max(), "material");
+        for (const std::uint32_t row : shape->material) {
+            mesh.materials = std::max(mesh.materials, row + 1);
+        }
+    }
+    mesh.shape = std::move(shape);
+    return mesh;
+}
+
+Materials checked_materials(const Floats &albedo, const std::optional<Floats> &gloss,
+                            const std::optional<Floats> &emission, const std::optional<Floats> &diffuse_roughness) {
+    require_shape(albedo, {-1, 3}, "albedo");
+    require_range(albedo, 0.0F, 1.0F, "albedo");
+    Materials out;
+    vectors(albedo, out.albedo);
+    if (gloss) {
+        out.gloss = glosses(*gloss, albedo.shape(0));
+    }
+    if (emission) {
+        require_shape(*emission, {albedo.shape(0), 3}, "emission");
+        require_range(*emission, 0.0F, 1e30F, "emission");
+        vectors(*emission, out.emission);
+    }
+    if (diffuse_roughness) {
+        require_shape(*diffuse_roughness, {albedo.shape(0)}, "diffuse_roughness");
+        require_range(*diffuse_roughness, -1.0F, 1.0F, "diffuse_roughness");
+        out.diffuse_roughness.assign(diffuse_roughness->data(), diffuse_roughness->data() + diffuse_roughness->size());
+    }
+    return out;
+}
+
+CheckedGrid checked_grid(const Floats &density, const Doubles &grid_to_world, const Floats &scattering,
+                         const Floats &absorption) {
+    require_shape(density, {-1, -1, -1}, "density");
+    if (density.size() == 0) {
+        throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
+    }
+    constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // the lanes' indices have 32 bits
+    if (density.size() > MOST_CELLS) {
+        throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
+    }
+    require_range(density, 0.0F, 1e30F, "density");
+    require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
+    CheckedGrid out;
+    out.grid_to_world = affine_matrix(grid_to_world, "grid_to_world");
+    const double determinant = glm::determinant(glm::dmat4(out.grid_to_world));
+    if (!(std::abs(determinant) > 0.0)) {
+        throw py::value_error("grid_to_world flattens the grid: its determinant is 0");
+    }
+    out.scattering = vector3(scattering, "scattering");
+    out.absorption = vector3(absorption, "absorption");
+    require_range(scattering, 0.0F, 1e30F, "scattering");
+    require_range(absorption, 0.0F, 1e30F, "absorption");
+    out.resolution = {density.shape(2), density.shape(1), density.shape(0)};
+    const float threshold = emptiness(out.resolution, out.grid_to_world, out.scattering + out.absorption);
+    const std::span<const float> cells(density.data(), static_cast<std::size_t>(density.size()));
+    const py::gil_scoped_release unlocked;
+    out.grid = crop(cells, glm::ivec3(out.resolution), threshold);
+    return out;
+}
+
+Scene ConsoleScene::for_reference() const {
+    Scene scene = *this;
+    for (std::size_t i = 0; i < densities.size(); ++i) {
+        if (!densities[i]) {
+            throw py::value_error("medium " + text(i) + " came as a Grid; the reference wants its densities");
+        }
+        scene.media[i].density.assign(densities[i]->data(), densities[i]->data() + densities[i]->size());
+    }
+    return scene;
+}
+
+void bind_scene_parts(py::module_ &m) {
+    m.def("content_hash", &content_hash, R"(16 bytes that differ wherever arrays do: in type, shape or values (XXH3).
+
+>>> import numpy as np
+>>> content_hash(np.zeros(3)) == content_hash(np.zeros(3)), content_hash(np.zeros(3)) == content_hash(np.zeros((3, 1)))
+(True, False)
+)");
+    py::class_<CheckedMesh>(m, "Mesh", R"(Triangles that any number of objects may share, in a space of their own.
+
+vertices (n, 3); triangles (m, 3), indices into vertices; normals, unit length: one for each vertex (n, 3) or one for
+each corner (m, 3, 3), and without any, flat faces whose front is the side from which their corners run counterclockwise;
+material (m,), a row of what the object's materials are, the first without it; tangents (m, 3, 3), the directions of
+brushed gloss at the corners. A Frame keeps what it makes of a Mesh in its Prepared: add the same one again and nothing
+is built twice. Raises ValueError for wrong shapes, indices out of range and values that are not finite.
+
+>>> Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).triangles
+1
+)")
+        .def(py::init(&checked_mesh), py::arg("vertices"), py::arg("triangles"), py::arg("normals") = py::none(),
+             py::arg("material") = py::none(), py::arg("tangents") = py::none())
+        .def_property_readonly(
+            "triangles", [](const CheckedMesh &mesh) { return mesh.shape->triangles.size(); }, "How many there are.");
+    py::class_<CheckedGrid>(m, "Grid", R"(Densities of smoke in their place, cropped to where there is any.
+
+density, grid_to_world, scattering and absorption are those of Scene.add_medium, which takes a Grid for them: add the
+same one again, with a lamp that has moved, and what is still right of its light maps is kept. The array is not kept.
+Raises ValueError as add_medium does.
+
+>>> import numpy as np
+>>> smoke = np.zeros((8, 8, 8), np.float32)
+>>> smoke[2:4, 2:5, 2:6] = 1.0
+>>> Grid(smoke, np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0)).cells
+120
+)")
+        .def(py::init(&checked_grid), py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
+             py::arg("absorption"))
+        .def_property_readonly(
+            "cells", [](const CheckedGrid &grid) { return grid.grid ? grid.grid->density.size() : 0; },
+            "How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it.");
+}
+
+} // namespace sfumato
