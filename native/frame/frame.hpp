@@ -2,10 +2,11 @@
 // A frame on the CPU: light maps, surfaces, smoke, film. A stage that the scene does not need does not run.
 #pragma once
 
+#include "frame/trace.hpp"
 #include "maps/lighting.hpp"
 #include "media/medium.hpp"
-#include "scene/scene.hpp"
 #include "solids/surfaces.hpp"
+#include "text/dispatch.hpp"
 
 #include <functional>
 #include <optional>
@@ -13,6 +14,9 @@
 #include <vector>
 
 namespace sfumato {
+
+struct Camera;
+struct Scene;
 
 struct FrameSettings {
     int coefficients = 15;        // of the light maps, over each ray's own range; the paper's maps have 7 over all
@@ -27,7 +31,7 @@ using Progress = std::function<bool(double)>;
 // Everything about a scene that does not depend on the camera.
 class Frame {
 public:
-    Frame(const Scene &scene, const FrameSettings &settings, const Kernels &with = kernels());
+    Frame(const Scene &scene, const FrameSettings &settings, const InstructionSet &with = instruction_set());
 
     // Premultiplied RGBA, row 0 at the bottom, filtered as Cycles filters by default. Pixels in which surfaces or
     // their shadows change are sampled `edge_samples` times, the others once. Nothing if progress said stop.
@@ -50,7 +54,7 @@ public:
 private:
     [[nodiscard]] FrameView view(const Camera &camera, std::span<const MediumView> media) const;
 
-    const Kernels *kernels_;
+    const InstructionSet *instruction_set_;
     Surfaces surfaces_;
     double step_length_;
     std::vector<CroppedMedium> media_; // those that are not empty

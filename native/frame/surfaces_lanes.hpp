@@ -2,6 +2,7 @@
 // What a packet of rays sees of the scene's surfaces: the first of them, and the light on it past solids and smoke.
 #pragma once
 
+#include "frame/trace.hpp"
 #include "lights/lights_lanes.hpp"
 #include "lights/shading.hpp"
 #include "maps/sampling.hpp"
@@ -271,7 +272,7 @@ Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, c
         return 1.0F;
     }
     const vec3 towards =
-        light.kind == Light::Kind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+        light.kind == LightKind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
     return diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction), -dot(direction, towards),
                        surface.diffuse_roughness);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "maps/light_map.hpp"
 
+#include "maps/map_kernels.hpp"
+#include "scene/affine.hpp"
 #include "text/glsl.hpp"
 
 #include <algorithm>
@@ -88,7 +90,7 @@ std::array<glm::dvec3, 8> corners_of(const CroppedMedium &medium, const glm::dma
 
 // `length` of light in metres, at most this many slices of half a cell: with one a cell, the total of a small dense
 // puff can be off by more than 1 %.
-void project(LightMap &map, const CroppedMedium &medium, double length, double cells, const Kernels &with) {
+void project(LightMap &map, const CroppedMedium &medium, double length, double cells, const InstructionSet &with) {
     const int slices = static_cast<int>(std::clamp(std::ceil(2.0 * cells), 1.0, double{MOST_SLICES}));
     const Affine light_to_grid = affine(glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light));
     const std::ptrdiff_t row_floats = static_cast<std::ptrdiff_t>(map.size.x) * map.view().stride();
@@ -106,7 +108,7 @@ void project(LightMap &map, const CroppedMedium &medium, double length, double c
         row.coefficients = map.coefficients.data() + y * row_floats;
         std::vector<float> scratch(static_cast<std::size_t>(slices * (MAX_LANES + 1)));
         row.scratch = scratch.data();
-        with.project_row(row);
+        map_kernels(with).project_row(row);
     });
 }
 
@@ -129,16 +131,6 @@ glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int floats, double
 
 } // namespace
 
-Affine affine(const glm::dmat4 &m) {
-    Affine out;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 4; ++column) {
-            out.rows[row][column] = static_cast<float>(m[column][row]);
-        }
-    }
-    return out;
-}
-
 glm::dmat3 axes_of(const glm::dvec3 &direction) {
     const glm::dvec3 along = glm::normalize(direction);
     const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
@@ -160,13 +152,13 @@ void LightMap::look_up(std::span<const float> points, std::span<float> columns) 
     const auto total = static_cast<int>(columns.size());
     oneapi::tbb::parallel_for(0, (total + CHUNK - 1) / CHUNK, [&](int chunk) {
         const int first = chunk * CHUNK;
-        kernels().look_up(view(), points.data() + static_cast<std::ptrdiff_t>(first) * 3, columns.data() + first,
-                          std::min(CHUNK, total - first));
+        map_kernels().look_up(view(), points.data() + static_cast<std::ptrdiff_t>(first) * 3, columns.data() + first,
+                              std::min(CHUNK, total - first));
     });
 }
 
 LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const SurfaceView &surfaces,
-                            const LightMapSettings &settings, const Kernels &with) {
+                            const LightMapSettings &settings, const InstructionSet &with) {
     const glm::dmat3 to_light = glm::transpose(axes_of(direction));
     glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
     for (const glm::dvec3 &p : corners_of(medium, glm::dmat4(to_light))) {
@@ -193,7 +185,7 @@ LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direc
 }
 
 LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const SurfaceView &surfaces,
-                          const LightMapSettings &settings, const Kernels &with) {
+                          const LightMapSettings &settings, const InstructionSet &with) {
     // The frame of the light looks at the middle of the smoke, so that the seams of the octahedron lie behind it.
     const glm::dvec3 middle(medium.grid_to_world * glm::dvec4(0.5 * glm::dvec3(medium.resolution), 1.0));
     const glm::dvec3 towards = middle - position;

@@ -2,9 +2,10 @@
 // A light map: one medium's column density along the rays of one point of a light, and where solids begin on them.
 #pragma once
 
+#include "maps/map_view.hpp"
 #include "media/medium.hpp"
-#include "scene/scene.hpp"
-#include "text/kernels.hpp"
+#include "solids/surface_view.hpp"
+#include "text/dispatch.hpp"
 
 #include <span>
 #include <vector>
@@ -40,11 +41,11 @@ struct LightMapSettings {
 
 // Light that travels in `direction` everywhere.
 LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const SurfaceView &surfaces,
-                            const LightMapSettings &settings, const Kernels &with = kernels());
+                            const LightMapSettings &settings, const InstructionSet &with = instruction_set());
 
 // Light that leaves `position` in all directions. The position may lie in the medium.
 LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const SurfaceView &surfaces,
-                          const LightMapSettings &settings, const Kernels &with = kernels());
+                          const LightMapSettings &settings, const InstructionSet &with = instruction_set());
 
 // Two axes across a direction, and the direction.
 glm::dmat3 axes_of(const glm::dvec3 &direction);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "maps/lighting.hpp"
 
+#include "maps/map_kernels.hpp"
+#include "scene/scene.hpp"
 #include "text/glsl.hpp"
 
 #include <algorithm>
@@ -194,7 +196,7 @@ std::vector<MediumView> views_of(std::span<const CroppedMedium> media, double st
 }
 
 Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const SurfaceView &surfaces,
-                   const LightingSettings &settings, bool grey, const Kernels &with)
+                   const LightingSettings &settings, bool grey, const InstructionSet &with)
     : media_(media.size()) {
     double cell = media.empty() ? 0.0 : media.front().cell_size;
     for (const CroppedMedium &medium : media) {
@@ -266,7 +268,7 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &me
             oneapi::tbb::parallel_for(0, media[m].resolution.z, [&with, slice](int z) {
                 LightSlice own = slice;
                 own.z = z;
-                with.light_slice(own);
+                map_kernels(with).light_slice(own);
             });
         }
     }

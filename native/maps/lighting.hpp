@@ -2,14 +2,16 @@
 // The lights of a frame: how often each is sampled, its light maps, and the light volumes of the smoke.
 #pragma once
 
+#include "lights/light_view.hpp"
 #include "maps/light_map.hpp"
 #include "media/medium.hpp"
-#include "scene/scene.hpp"
 
 #include <span>
 #include <vector>
 
 namespace sfumato {
+
+struct Light;
 
 struct LightingSettings {
     LightMapSettings map;
@@ -22,7 +24,7 @@ public:
     Lighting() = default;
     // Fills the light volumes of `media` too.
     Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const SurfaceView &surfaces,
-             const LightingSettings &settings, bool grey, const Kernels &with);
+             const LightingSettings &settings, bool grey, const InstructionSet &with);
 
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
     // The map of one medium in one light, null where that light cannot meet it.

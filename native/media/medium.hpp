@@ -2,14 +2,15 @@
 // Smoke made ready for marching: cropped to where there is any, with a map of the emptiness that is left.
 #pragma once
 
-#include "scene/scene.hpp"
-#include "text/kernels.hpp"
+#include "media/medium_view.hpp"
 
 #include <vector>
 
 #include <glm/mat4x4.hpp>
 
 namespace sfumato {
+
+struct Medium;
 
 struct CroppedMedium {
     std::vector<float> density;

@@ -4,6 +4,7 @@
 
 #include "module/arguments.hpp"
 #include "module/parts.hpp"
+#include "scene/scene.hpp"
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>

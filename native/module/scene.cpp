@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes and cameras: what Python hands over, checked.
+#include "scene/scene.hpp"
+
+#include "media/medium_view.hpp"
 #include "module/lights.hpp"
 #include "module/parts.hpp"
 #include "scene/camera.hpp"
-#include "text/kernels.hpp"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>

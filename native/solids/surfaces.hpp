@@ -2,8 +2,7 @@
 // All meshes of a scene as one Embree scene, with the attributes that shading reads.
 #pragma once
 
-#include "scene/scene.hpp"
-#include "text/kernels.hpp"
+#include "solids/surface_view.hpp"
 
 #include <memory>
 #include <span>
@@ -13,6 +12,8 @@
 #include <glm/vec3.hpp>
 
 namespace sfumato {
+
+struct Mesh;
 
 class Surfaces {
 public:
