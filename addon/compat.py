@@ -24,13 +24,65 @@ def set_pixels(layer: Any, image: NDArray[np.float32]) -> None:
         combined.rect = image.reshape(-1, 4).tolist()
 
 
-def corner_normals(mesh: Any) -> NDArray[np.float32]:
-    """Normals of the corners of each loop triangle: (triangles, 3, 3)."""
-    if hasattr(mesh, "calc_normals_split"):  # gone in 4.1, where they are always there
+def normals(mesh: Any, own_copy: bool) -> NDArray[np.float32] | None:
+    """Normals of a mesh whose loop triangles are calculated: of its vertices (n, 3), of the corners of its triangles
+    (m, 3, 3), or None where its triangles are flat. `own_copy`: whether the mesh may be changed for it."""
+    domain = getattr(mesh, "normals_domain", None)  # 4.1
+    if domain is None:
+        smooth = np.empty(len(mesh.polygons), dtype=bool)
+        mesh.polygons.foreach_get("use_smooth", smooth)
+        if own_copy and corner_normals_need_a_copy(mesh):
+            domain = "CORNER"
+        else:
+            domain = "POINT" if smooth.all() else "MIXED" if smooth.any() else "FACE"
+    count = len(mesh.loop_triangles)
+    if domain == "FACE" and len(mesh.polygons) == count:
+        return None
+    if domain == "POINT":
+        of_vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+        mesh.vertex_normals.foreach_get("vector", of_vertices)
+        return of_vertices.reshape(-1, 3)
+    if hasattr(mesh, "calc_normals_split") and own_copy:  # gone in 4.1, where they are always there
         mesh.calc_normals_split()
-    normals = np.empty(len(mesh.loop_triangles) * 9, dtype=np.float32)
-    mesh.loop_triangles.foreach_get("split_normals", normals)
-    return normals.reshape(-1, 3, 3)
+    if domain == "CORNER":
+        of_corners = np.empty(count * 9, dtype=np.float32)
+        mesh.loop_triangles.foreach_get("split_normals", of_corners)
+        return of_corners.reshape(-1, 3, 3)
+    polygon = np.empty(count, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("polygon_index", polygon)
+    of_polygons = np.empty(len(mesh.polygons) * 3, dtype=np.float32)
+    mesh.polygons.foreach_get("normal", of_polygons)
+    flat = np.repeat(of_polygons.reshape(-1, 3)[polygon][:, None], 3, axis=1)
+    if domain == "FACE":
+        return flat
+    corners = np.empty(count * 3, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    of_vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.vertex_normals.foreach_get("vector", of_vertices)
+    return np.where(smooth[polygon][:, None, None], of_vertices.reshape(-1, 3)[corners.reshape(-1, 3)], flat)
+
+
+def corner_normals_need_a_copy(mesh: Any) -> bool:
+    """Whether asking for the normals of a mesh's corners would change the mesh: before 4.1, where they are calculated
+    on demand, and smooth shading ends at an angle or normals are an artist's own."""
+    return hasattr(mesh, "calc_normals_split") and bool(mesh.use_auto_smooth)
+
+
+def subdivides_on_the_gpu(thing: Any) -> bool:
+    """Whether an evaluated object's data may be coarser than what Blender draws: since 3.1 the last subdivision is
+    left to the GPU where there is one, until somebody asks for a copy of the mesh."""
+    return not bpy.app.background and any(modifier.type == "SUBSURF" for modifier in thing.modifiers)
+
+
+def instance_matrices(depsgraph: Any) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Of each of the depsgraph's object instances, whether it is shown itself, (n,), and its matrix, (n, 4, 4)."""
+    instances = depsgraph.object_instances
+    count = len(instances)
+    shown = np.empty(count, dtype=bool)
+    instances.foreach_get("show_self", shown)
+    matrices = np.empty(count * 16, dtype=np.float32)
+    instances.foreach_get("matrix_world", matrices)
+    return shown, matrices.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64)
 
 
 def light_colour(light: Any) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import compat, core, log, props
-from .export import scene
+from .export import parts, scene
 from .view import viewport
 
 
@@ -31,7 +31,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
             if camera is None:
                 self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
                 return
-            frame = scene.frame_of(depsgraph, "render")
+            frame = scene.frame_of(depsgraph, "render", parts.of_render(settings))
             window, offset, extent = border_of(settings.render, size)
             image = frame.render(
                 core.module().Camera(window @ camera),
@@ -53,7 +53,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
     def view_update(self, context: Any, depsgraph: Any) -> None:
         self.view_frame = None
         try:
-            self.view_frame = scene.frame_of(depsgraph, "view")
+            self.view_frame = scene.frame_of(depsgraph, "view", parts.of_views())
         except (core.Missing, ValueError, RuntimeError) as error:
             log.replace("view", [str(error)])
 

@@ -11,7 +11,7 @@ build=$root/build
 packages=(
     blender xvfb xauth libgl1-mesa-dri libegl1
     g++ cmake ninja-build pybind11-dev python3-dev
-    libglm-dev libxsimd-dev libtbb-dev libembree-dev libopenvdb-dev libboost-dev
+    libglm-dev libxsimd-dev libxxhash-dev libtbb-dev libembree-dev libopenvdb-dev libboost-dev
     libgtest-dev python3-pytest python3-numpy python3-cattr python3-requests
 )
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat, core, log, props
-from . import lights, materials, smoke
+from . import lights, materials, meshes, smoke
+from .parts import Parts
 
 # What the viewport's shader takes (smoke_uniforms.glsl): each medium has three of the 16 textures that it may have.
 MOST_MEDIA, MOST_LIGHTS = 5, 16
-SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
 @dataclass
@@ -28,117 +28,141 @@ class Export:
     notices: list[str] = field(default_factory=list)
 
 
-def export(depsgraph: Any) -> Export:
-    """Everything that `depsgraph` shows. Raises core.Missing without the native module."""
+@dataclass
+class _Group:
+    """Surfaces that share a mesh and materials: the objects themselves may be gone when their matrices are known."""
+
+    name: str
+    mesh: Any
+    surfaces: list[materials.Surface]
+    triangles: meshes.Triangles | None  # of what glows
+    places: list[int] = field(default_factory=list)
+
+
+def export(depsgraph: Any, parts: Parts | None = None) -> Export:
+    """Everything that `depsgraph` shows, with what `parts` has of an earlier export. Raises core.Missing without the
+    native module."""
+    parts = parts or Parts()
     out = Export(core.module().Scene())
     lit = 0
     media: list[tuple[str, smoke.Medium]] = []
-    for instance in depsgraph.object_instances:
+    groups: dict[tuple[int, int], _Group | None] = {}
+    shown, matrices = compat.instance_matrices(depsgraph)
+    for number, instance in enumerate(depsgraph.object_instances):
+        if not shown[number]:
+            continue
         thing = instance.object
-        matrix = np.array(instance.matrix_world, dtype=np.float64)
-        if not instance.show_self:
+        key = _group_key(thing)
+        if key in groups:
+            group = groups[key]
+            if group is not None:
+                group.places.append(number)
             continue
         try:
             if thing.type == "LIGHT":
-                lit += lights.add_light(out.scene, thing, matrix, out.notices)
+                lit += lights.add_light(out.scene, thing, matrices[number], out.notices)
                 continue
-            medium = smoke.medium_of(thing, matrix, depsgraph, out.notices)
+            medium = smoke.medium_of(thing, matrices[number], depsgraph, parts, out.notices)
             if medium is not None:
                 media.append((thing.name, medium))
-            elif thing.type in SURFACE_TYPES:
-                lit += add_surface(out, thing, matrix)
+            elif thing.type in meshes.SURFACE_TYPES:
+                groups[key] = group = _group_of(thing, depsgraph.view_layer.name, parts, out.notices)
+                if group is not None:
+                    group.places.append(number)
         except ValueError as error:
+            groups[key] = None
             out.notices.append(f"{thing.name}: {error}")
+    for group in groups.values():
+        if group is not None:
+            lit += add_surfaces(out, group, matrices[group.places])
     if lit == 0:
         out.notices.append("No light: nothing is lit. Add one, or raise its strength")
     if lit > MOST_LIGHTS:
         out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
     add_media(out, media)
     out.scene.set_background(materials.background(depsgraph.scene, out.notices))
+    parts.end_export()
     return out
 
 
-def frame_of(depsgraph: Any, source: str) -> Any:
+def frame_of(depsgraph: Any, source: str, parts: Parts | None = None) -> Any:
     """The native Frame of what `depsgraph` shows, in the scene's quality; its notices go to the log under `source`.
 
     Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses.
     """
-    out = export(depsgraph)
+    parts = parts or Parts()
+    out = export(depsgraph, parts)
     log.replace(source, out.notices)
-    return core.module().Frame(out.scene, **props.QUALITIES[props.of(depsgraph.scene).quality].frame)
+    quality = props.QUALITIES[props.of(depsgraph.scene).quality]
+    return core.module().Frame(out.scene, **quality.frame, prepared=parts.native)
 
 
-def add_surface(out: Export, thing: Any, matrix: NDArray[np.float64]) -> int:
-    """The triangles of an object, in world space. Returns how many lights those that emit are."""
-    surfaces = materials.surfaces(thing, out.notices)
+def _group_key(thing: Any) -> tuple[int, int]:
+    """Equal for objects that share mesh and materials, by addresses that hold while the depsgraph is being read. What
+    has modifiers or materials of its own stands alone."""
+    data = thing.data
+    data_address = 0 if data is None else data.as_pointer()
+    if thing.type != "MESH" or thing.modifiers or any(slot.link == "OBJECT" for slot in thing.material_slots):
+        return thing.as_pointer(), data_address
+    return 0, data_address
+
+
+def _group_of(thing: Any, view_layer: str, parts: Parts, notices: list[str]) -> _Group | None:
+    """The surfaces of an object, without a place as yet; None where it has none."""
+    surfaces = materials.surfaces(thing, notices)
     if surfaces is None:
-        return 0
-    mesh = thing.to_mesh()
+        return None
+    brushed = any(surface.alpha[0] != surface.alpha[1] for surface in surfaces)
+    mesh = meshes.mesh_of(thing, len(surfaces), brushed, view_layer, parts)
     if mesh is None:
-        return 0
-    try:
-        mesh.calc_loop_triangles()
-        count = len(mesh.loop_triangles)
-        if count == 0:
-            return 0
-        vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-        triangles = np.empty(count * 3, dtype=np.int32)
-        material = np.empty(count, dtype=np.int32)
-        mesh.vertices.foreach_get("co", vertices)
-        mesh.loop_triangles.foreach_get("vertices", triangles)
-        mesh.loop_triangles.foreach_get("material_index", material)
-        normals = compat.corner_normals(mesh)
-    finally:
-        thing.to_mesh_clear()
-    world = vertices.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
-    # Normals go with the inverse transpose; a flattened object has none, and any direction will do.
-    turned = normals @ np.linalg.pinv(matrix[:3, :3])
-    length = np.linalg.norm(turned, axis=-1, keepdims=True)
-    turned = np.where(length > 0.0, turned / np.maximum(length, 1e-30), (0.0, 0.0, 1.0))
-    # A face may name a slot that the object lacks: Blender then shows the last one.
-    slots = np.clip(material, 0, len(surfaces) - 1)
-    albedo = np.clip([surface.albedo for surface in surfaces], 0.0, 1.0)
-    corners = triangles.reshape(-1, 3)
-    gloss, tangents = None, None
-    if any(surface.alpha[0] > 0.0 for surface in surfaces):
-        gloss = [surface.gloss for surface in surfaces]
-    if any(surface.alpha[0] != surface.alpha[1] for surface in surfaces):
-        tangents = (radial_tangents(vertices.reshape(-1, 3)) @ matrix[:3, :3].T)[corners]
+        return None
+    glows = any(surface.emission.any() for surface in surfaces)
+    return _Group(thing.name, mesh, surfaces, meshes.triangles_of(thing, len(surfaces)) if glows else None)
+
+
+def add_surfaces(out: Export, group: _Group, places: NDArray[np.float64]) -> int:
+    """The triangles of an object in all its places (n, 4, 4). Returns how many lights those that emit are."""
+    surfaces = group.surfaces
+    usable = np.isfinite(places).all(axis=(1, 2))
+    if not usable.all():
+        out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
+        places = places[usable]
+    gloss = [surface.gloss for surface in surfaces] if any(surface.alpha[0] > 0.0 for surface in surfaces) else None
     emission = np.array([surface.emission for surface in surfaces])
     rough = np.array([surface.diffuse_roughness for surface in surfaces])
-    out.scene.add_mesh(
-        world,
-        corners,
-        turned,
-        slots,
-        albedo,
-        gloss,
-        tangents,
-        emission=emission if emission.any() else None,
-        diffuse_roughness=rough if rough.max() >= 0.0 else None,
-    )
-    return lights.add_emitters(out.scene, world[corners], emission[slots], thing.name, out.notices)
-
-
-def radial_tangents(vertices: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Cycles' tangent where nothing else is said: around the object's Z axis, through the middle of its bounding box."""
-    middle = 0.5 * (vertices.min(0) + vertices.max(0))
-    size = np.maximum(vertices.max(0) - vertices.min(0), 1e-12)
-    place = (vertices - middle) / size
-    tangents: NDArray[np.float64] = np.zeros((len(place), 3))
-    tangents[:, 0], tangents[:, 1] = -place[:, 1], place[:, 0]
-    return tangents
+    try:
+        out.scene.add_instances(
+            group.mesh,
+            places,
+            np.clip([surface.albedo for surface in surfaces], 0.0, 1.0),
+            gloss,
+            emission=emission if emission.any() else None,
+            diffuse_roughness=rough if rough.max() >= 0.0 else None,
+        )
+    except ValueError as error:
+        out.notices.append(f"{group.name}: {error}")
+        return 0
+    read = group.triangles
+    if read is None:
+        return 0
+    radiance = emission[0 if read.material is None else read.material]
+    lit = 0
+    for matrix in places:
+        corners = (read.vertices @ matrix[:3, :3].T + matrix[:3, 3])[read.triangles]
+        each = np.broadcast_to(radiance, (len(corners), 3))
+        lit += lights.add_emitters(out.scene, corners, each, group.name, out.notices)
+    return lit
 
 
 def add_media(out: Export, media: list[tuple[str, smoke.Medium]]) -> None:
     """The bodies of smoke; where there are too many, those with the most in them."""
-    media = sorted(media, key=lambda entry: float(entry[1].density.sum()), reverse=True)
+    media = sorted(media, key=lambda entry: entry[1].amount, reverse=True)
     for name, _ in media[MOST_MEDIA:]:
         out.notices.append(f"{name}: only {MOST_MEDIA} bodies of smoke are shown; this one has the least in it")
     for name, medium in media[:MOST_MEDIA]:
         try:
             out.scene.add_medium(
-                medium.density, medium.grid_to_world, medium.scattering, medium.absorption, medium.anisotropy
+                medium.grid, medium.grid_to_world, medium.scattering, medium.absorption, medium.anisotropy
             )
         except ValueError as error:
             out.notices.append(f"{name}: {error}")

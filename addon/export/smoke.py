@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 
 from .. import core
 from . import materials
+from .parts import Parts
 
 
 @dataclass
 class Medium:
-    """A density grid (z, y, x) and what its material makes of it, per metre and unit density."""
+    """A native grid of densities, what they sum up to, and what its material makes of it, per metre and unit density."""
 
-    density: NDArray[np.float32]
+    grid: Any
+    amount: float
     grid_to_world: NDArray[np.float64]
     scattering: NDArray[np.float64]
     absorption: NDArray[np.float64]
@@ -34,7 +36,9 @@ def domain_settings(thing: Any) -> Any | None:
     return None
 
 
-def medium_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: list[str]) -> Medium | None:
+def medium_of(
+    thing: Any, matrix: NDArray[np.float64], depsgraph: Any, parts: Parts, notices: list[str]
+) -> Medium | None:
     """The smoke of an object at this frame, None if it is not smoke. Raises ValueError for smoke that is not there."""
     settings = None if thing.type == "VOLUME" else domain_settings(thing)
     if thing.type != "VOLUME" and settings is None:
@@ -46,14 +50,25 @@ def medium_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: 
         density, grid_to_object = volume_grid(thing.data)
     else:
         density, grid_to_object = domain_grid(settings, depsgraph.scene.frame_current)
-    if not np.isfinite(density).all():
-        raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
     scattering, absorption, anisotropy = materials.cross_sections(thing, notices)
     if thing.type == "VOLUME" and thing.data.render.space == "OBJECT":
         # A volume's density is per unit of the object's own space, a domain's per metre.
         scale = room ** (1.0 / 3.0)
         scattering, absorption = scattering / scale, absorption / scale
-    return Medium(density, matrix @ grid_to_object, scattering, absorption, anisotropy)
+    grid_to_world = matrix @ grid_to_object
+    emptiness = core.module().emptiness(density.shape, grid_to_world, scattering + absorption)
+    taken = parts.part(lambda: (density,), ("grid", emptiness), lambda cells: _taken(cells, emptiness))
+    assert taken is not None
+    grid, amount = taken
+    return Medium(grid, amount, grid_to_world, scattering, absorption, anisotropy)
+
+
+def _taken(density: NDArray[np.float32], emptiness: float) -> tuple[Any, float]:
+    """The native grid, and the sum of all densities. Raises ValueError for densities that cannot be."""
+    amount = float(density.sum())
+    if not np.isfinite(amount) and not np.isfinite(density).all():
+        raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
+    return core.module().Grid(density, emptiness), amount
 
 
 def domain_grid(settings: Any, frame: int) -> tuple[NDArray[np.float32], NDArray[np.float64]]:

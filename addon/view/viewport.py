@@ -25,7 +25,7 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from .. import core, log, props
-from ..export import scene
+from ..export import parts, scene
 from ..export.scene import MOST_LIGHTS, MOST_MEDIA
 from ..gpu.shader import BRICK, Shaders, compile_shader, plain_state, shader_text, texture
 from . import refinement
@@ -365,7 +365,7 @@ class _Overlay:
         key = (context.scene.as_pointer(), context.view_layer.name, props.of(context.scene).quality)
         if self.dirty or key != self._frame_key:
             self.dirty, self._frame_key, self._frame = False, key, None  # a failure waits for the next change
-            self._frame = scene.frame_of(context.evaluated_depsgraph_get(), "viewport")
+            self._frame = scene.frame_of(context.evaluated_depsgraph_get(), "viewport", parts.of_views())
         return self._frame
 
     @contextlib.contextmanager
@@ -395,6 +395,7 @@ _overlay: _Overlay | None = None
 
 @persistent  # type: ignore[misc]
 def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    parts.note(depsgraph)
     if _overlay is not None and any(_matters(update) for update in depsgraph.updates):
         _overlay.dirty = True
 
@@ -406,13 +407,22 @@ def _matters(update: bpy.types.DepsgraphUpdate) -> bool:
 
 
 @persistent  # type: ignore[misc]
-def _on_change(*_: Any) -> None:
+def _on_frame(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    parts.note(depsgraph)
+    if _overlay is not None:
+        _overlay.dirty = True
+
+
+@persistent  # type: ignore[misc]
+def _on_undo(*_: Any) -> None:
+    parts.forget_owners()
     if _overlay is not None:
         _overlay.dirty = True
 
 
 @persistent  # type: ignore[misc]
 def _on_load(*_: Any) -> None:
+    parts.free()
     if _overlay is not None:
         _overlay.forget()
     log.clear()
@@ -421,9 +431,9 @@ def _on_load(*_: Any) -> None:
 
 _HANDLERS: dict[str, Callable[..., None]] = {
     "depsgraph_update_post": _on_update,
-    "frame_change_post": _on_change,
-    "undo_post": _on_change,
-    "redo_post": _on_change,
+    "frame_change_post": _on_frame,
+    "undo_post": _on_undo,
+    "redo_post": _on_undo,
     "load_post": _on_load,
 }
 
@@ -448,6 +458,7 @@ def disable() -> None:
     if _overlay is not None:
         _overlay.remove()
         _overlay = None
+    parts.free()
     free()
 
 

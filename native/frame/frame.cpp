@@ -2,6 +2,7 @@
 #include "frame/frame.hpp"
 
 #include "frame/film.hpp"
+#include "scene/scene.hpp"
 #include "text/glsl.hpp"
 
 #include <algorithm>
@@ -52,7 +53,7 @@ struct Image {
 
 // The first look: every pixel once, through its centre, and either through the middles of the lights or spread over
 // them.
-void trace_row(const Kernels &with, const FrameView &view, bool spread, Image &image, int y) {
+void trace_row(const InstructionSet &with, const FrameView &view, bool spread, Image &image, int y) {
     const int lanes = with.lanes;
     Packet packet;
     Traced light;
@@ -66,7 +67,7 @@ void trace_row(const Kernels &with, const FrameView &view, bool spread, Image &i
             packet.light_v[lane] = look.light_v;
             packet.active[lane] = x < image.width ? 1.0F : 0.0F;
         }
-        with.trace(view, image.output, packet, light);
+        frame_kernels(with).trace(view, image.output, packet, light);
         for (int lane = 0; lane < lanes && x0 + lane < image.width; ++lane) {
             const std::size_t pixel = image.at(x0 + lane, y);
             image.set_colour(pixel, light, lane);
@@ -120,7 +121,7 @@ Unsure unsure_of(const Image &image, int x, int y) {
 }
 
 // Samples some pixels of a row: of each its own pattern, in as few packets as hold them all.
-void refine_pixels(const Kernels &with, const FrameView &view, std::span<const std::vector<FilmSample>> patterns,
+void refine_pixels(const InstructionSet &with, const FrameView &view, std::span<const std::vector<FilmSample>> patterns,
                    Image &image, std::span<const int> columns, int y) {
     const auto lanes = static_cast<std::size_t>(with.lanes), count = patterns.front().size();
     const std::size_t all = columns.size() * count;
@@ -138,7 +139,7 @@ void refine_pixels(const Kernels &with, const FrameView &view, std::span<const s
             packet.light_v[lane] = s.light_v;
             packet.active[lane] = first + lane < all ? 1.0F : 0.0F;
         }
-        with.trace(view, image.output, packet, light);
+        frame_kernels(with).trace(view, image.output, packet, light);
         for (std::size_t lane = 0; lane < lanes && first + lane < all; ++lane) {
             std::array<double, 4> &sum = sums[(first + lane) / count];
             for (std::size_t c = 0; c < 3; ++c) {
@@ -156,8 +157,9 @@ void refine_pixels(const Kernels &with, const FrameView &view, std::span<const s
 }
 
 // The same for some pixels of a row, as many at a time as there are lanes, where it is only shadows that change.
-void refine_shadows(const Kernels &with, const FrameView &view, std::span<const std::vector<FilmSample>> patterns,
-                    Image &image, std::span<const int> columns, int y) {
+void refine_shadows(const InstructionSet &with, const FrameView &view,
+                    std::span<const std::vector<FilmSample>> patterns, Image &image, std::span<const int> columns,
+                    int y) {
     const auto lanes = static_cast<std::size_t>(with.lanes);
     std::vector<ShadowSample> samples(patterns.front().size());
     Packet packet;
@@ -179,7 +181,7 @@ void refine_shadows(const Kernels &with, const FrameView &view, std::span<const 
                 samples[k].light_v[lane] = pattern[k].light_v;
             }
         }
-        with.trace(view, image.output, packet, light);
+        frame_kernels(with).trace(view, image.output, packet, light);
         for (std::size_t lane = 0; lane < lanes && first + lane < columns.size(); ++lane) {
             image.set_colour(image.at(columns[first + lane], y), light, static_cast<int>(lane));
         }
@@ -204,7 +206,8 @@ bool in_chunks(const Image &image, double done, double share, const Progress &pr
 }
 
 // Samples the pixels in which surfaces or their shadows change `edge_samples` times. False if progress said stop.
-bool refine(const Kernels &with, const FrameView &view, int edge_samples, const Progress &progress, Image &image) {
+bool refine(const InstructionSet &with, const FrameView &view, int edge_samples, const Progress &progress,
+            Image &image) {
     std::vector<std::vector<FilmSample>> patterns;
     patterns.reserve(FILM_TURNS);
     for (int turn = 0; turn < FILM_TURNS; ++turn) {
@@ -243,7 +246,7 @@ bool refine(const Kernels &with, const FrameView &view, int edge_samples, const 
 }
 
 // A first look at every pixel and, for more than one sample, a closer one at the edges. Nothing if progress said stop.
-std::optional<Image> traced(const Kernels &with, const FrameView &view, Output output, int width, int height,
+std::optional<Image> traced(const InstructionSet &with, const FrameView &view, Output output, int width, int height,
                             int edge_samples, const Progress &progress) {
     Image image(output, width, height);
     const bool closer = edge_samples > 1;
@@ -267,8 +270,9 @@ std::vector<CroppedMedium> cropped(std::span<const Medium> media) {
 
 } // namespace
 
-Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<Prepared> prepared, const Kernels &with)
-    : kernels_(&with), prepared_(std::move(prepared)), step_length_(1.0 / settings.steps_per_cell),
+Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<Prepared> prepared,
+             const InstructionSet &with)
+    : instruction_set_(&with), prepared_(std::move(prepared)), step_length_(1.0 / settings.steps_per_cell),
       background_(scene.background) {
     const std::lock_guard making(prepared_->making);
     prepared_->arena.execute([&] {
@@ -300,7 +304,8 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
                                                 const Progress &progress) const {
     const MediaViews media = views_of(media_, step_length_);
     std::optional<Image> image = prepared_->arena.execute([&] {
-        return traced(*kernels_, view(camera, media.views), Output::PICTURE, width, height, edge_samples, progress);
+        return traced(*instruction_set_, view(camera, media.views), Output::PICTURE, width, height, edge_samples,
+                      progress);
     });
     return image ? std::optional(std::move(image->rgba)) : std::nullopt;
 }
@@ -308,8 +313,9 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
 std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int width, int height, Output output,
                                                   int edge_samples, const Progress &progress) const {
     const MediaViews media = views_of(media_, step_length_);
-    std::optional<Image> image = prepared_->arena.execute(
-        [&] { return traced(*kernels_, view(camera, media.views), output, width, height, edge_samples, progress); });
+    std::optional<Image> image = prepared_->arena.execute([&] {
+        return traced(*instruction_set_, view(camera, media.views), output, width, height, edge_samples, progress);
+    });
     if (!image) {
         return std::nullopt;
     }

@@ -3,10 +3,11 @@
 #pragma once
 
 #include "frame/prepared.hpp"
+#include "frame/trace.hpp"
 #include "maps/lighting.hpp"
 #include "media/medium.hpp"
-#include "scene/scene.hpp"
 #include "solids/surfaces.hpp"
+#include "text/dispatch.hpp"
 
 #include <functional>
 #include <memory>
@@ -15,6 +16,9 @@
 #include <vector>
 
 namespace sfumato {
+
+struct Camera;
+struct Scene;
 
 struct FrameSettings {
     int coefficients = 15;        // of the light maps, over each ray's own range; the paper's maps have 7 over all
@@ -31,8 +35,8 @@ class Frame {
 public:
     // What `prepared` has of an earlier frame is not made again.
     Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<Prepared> prepared,
-          const Kernels &with = kernels());
-    Frame(const Scene &scene, const FrameSettings &settings, const Kernels &with = kernels())
+          const InstructionSet &with = instruction_set());
+    Frame(const Scene &scene, const FrameSettings &settings, const InstructionSet &with = instruction_set())
         : Frame(scene, settings, std::make_shared<Prepared>(), with) {}
 
     // Premultiplied RGBA, row 0 at the bottom, filtered as Cycles filters by default. Pixels in which surfaces or
@@ -56,7 +60,7 @@ public:
 private:
     [[nodiscard]] FrameView view(const Camera &camera, std::span<const MediumView> media) const;
 
-    const Kernels *kernels_;
+    const InstructionSet *instruction_set_;
     std::shared_ptr<Prepared> prepared_;
     double step_length_;
     glm::vec3 background_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One packet of camera rays: the smoke before the first surface, and the two together.
 #include "frame/surfaces_lanes.hpp"
+#include "frame/trace.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +43,7 @@ void scatter(const FrameView &frame, const MediumView &medium, const Cell &cell,
         volume.values = medium.light[i];
         Real incoming = sample(volume, light_cell, Colours);
         Real cosine;
-        if (light.kind == Light::Kind::SUN) {
+        if (light.kind == LightKind::SUN) {
             cosine = dot(broadcast(light.direction), ray.direction);
         } else {
             const vec3 from_light = world - broadcast(light.position);
@@ -200,5 +201,7 @@ void trace(const FrameView &frame, Output output, const Packet &packet, Traced &
     pick(surface.hit, 1.0F, 1.0F - through).store_aligned(out.alpha);
     (left * (1.0F / 3.0F) / max(brightness, 1e-20F)).store_aligned(out.seen);
 }
+
+extern const FrameKernels frame_kernels{trace};
 
 } // namespace sfumato::SFUMATO_ISA

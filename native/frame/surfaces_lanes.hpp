@@ -2,6 +2,7 @@
 // What a packet of rays sees of the scene's surfaces: the first of them, and the light on it past solids and smoke.
 #pragma once
 
+#include "frame/trace.hpp"
 #include "lights/lights_lanes.hpp"
 #include "lights/shading.hpp"
 #include "maps/sampling.hpp"
@@ -127,7 +128,8 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
         return surface;
     }
     typename Rays<LANES>::RayHit rays;
-    set_rays(rays.ray, ray.origin, ray.direction, 0.0F, ray.reach);
+    // A surface in the far plane itself is seen: the boxes around it may round to either side of it.
+    set_rays(rays.ray, ray.origin, ray.direction, 0.0F, ray.reach * 1.000001F);
     for (int lane = 0; lane < LANES; ++lane) {
         rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
         rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
@@ -339,7 +341,7 @@ Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, c
         return 1.0F;
     }
     const vec3 towards =
-        light.kind == Light::Kind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+        light.kind == LightKind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
     return diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction), -dot(direction, towards),
                        surface.diffuse_roughness);
 }

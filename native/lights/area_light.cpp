@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lights/area_light.hpp"
 
+#include "lights/light_kernels.hpp"
 #include "text/glsl_double.hpp"
-#include "text/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ using Scalar = double;
 } // namespace glsl_double
 
 void integrate(const LightBatch<float> &batch) {
-    kernels().integrate_lights(batch);
+    light_kernels().integrate_lights(batch);
 }
 
 void integrate(const LightBatch<double> &batch) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Integrals over area lights, as many lights at a time as there are lanes.
-#include "lights/area_light.hpp"
+#include "lights/light_kernels.hpp"
 #include "text/lanes.hpp"
 
 #include <algorithm>
@@ -9,6 +9,9 @@
 #include <type_traits>
 
 namespace sfumato::SFUMATO_ISA {
+
+void reflect_lights(const MicrofacetBatch<float> &batch); // microfacet_lanes.cpp
+
 namespace {
 
 inline Real load(const float *lanes) {
@@ -29,5 +32,7 @@ using Scalar = float;
 void integrate_lights(const LightBatch<float> &batch) {
     integrate_batch(batch);
 }
+
+extern const LightKernels light_kernels{integrate_lights, reflect_lights};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -2,7 +2,7 @@
 // Lights as the lane kernels see them: which way they lie, and how they fade.
 #pragma once
 
-#include "text/kernels.hpp"
+#include "lights/light_view.hpp"
 #include "text/lanes.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ inline vec3 normalised(const vec3 &v) {
 // What the smoke takes for the light at a point: it falls off from the light's middle, and all else that happens to it
 // is in the light volume.
 inline Real falloff_of(const LightView &light, const vec3 &from_light) {
-    return light.kind == Light::Kind::SUN ? Real(1.0F) : falloff(dot(from_light, from_light), light.size2);
+    return light.kind == LightKind::SUN ? Real(1.0F) : falloff(dot(from_light, from_light), light.size2);
 }
 
 // In a direction whose cosine to the spot's axis is given.
@@ -42,17 +42,17 @@ constexpr float LOWEST_SUN = 0.02F;
 
 // What a part of an area light sends in a direction whose cosine to the light's is given, of its radiance by its area.
 inline Real sent_along(const LightView &light, Real cosine) {
-    return light.kind == Light::Kind::POLYGON ? abs(cosine)
-                                              : max(cosine, 0.0F) * spread_fade(cosine, light.spread_cotangent);
+    return light.kind == LightKind::POLYGON ? abs(cosine)
+                                            : max(cosine, 0.0F) * spread_fade(cosine, light.spread_cotangent);
 }
 
 // What one of the light's samples brings to a point, as a share of falloff_of().
 inline Real sample_share(const LightView &light, const glm::vec3 &sample, const vec3 &world) {
     const float count = static_cast<float>(light.samples.size());
-    if (light.kind == Light::Kind::SUN) {
+    if (light.kind == LightKind::SUN) {
         return 1.0F / (count * std::max(-glm::dot(sample, light.direction), LOWEST_SUN));
     }
-    if (light.kind == Light::Kind::SPHERE) {
+    if (light.kind == LightKind::SPHERE) {
         return spot_share(light, world - broadcast(sample)) * (1.0F / count);
     }
     const vec3 from_sample = world - broadcast(sample), from_middle = world - broadcast(light.position);
@@ -96,7 +96,7 @@ inline Towards towards_place(const LightView &light, const vec3 &point, const ve
 }
 
 inline Towards sample_towards(const LightView &light, const vec3 &point, Real u, Real v) {
-    if (light.kind == Light::Kind::POLYGON) {
+    if (light.kind == LightKind::POLYGON) {
         const glm::vec3 *const c = light.corners;
         return towards_place(light, point,
                              point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v));
@@ -104,12 +104,12 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
     const Real a = 2.0F * u - 1.0F, b = 2.0F * v - 1.0F;
     const DiskPoint disk = point_on_disk(a, b);
     const Real x = disk.x, y = disk.y;
-    if (light.kind == Light::Kind::SUN) {
+    if (light.kind == LightKind::SUN) {
         const vec3 aside = broadcast(light.across) * x + broadcast(light.up) * y;
         const Real height = sqrt(max(1.0F - dot(aside, aside), LOWEST_SUN * LOWEST_SUN));
         return {aside - broadcast(light.direction) * height, 1e30F, 1.0F / height};
     }
-    if (light.kind == Light::Kind::SPHERE) {
+    if (light.kind == LightKind::SPHERE) {
         const vec3 to_middle = broadcast(light.position) - point;
         const Real distance2 = max(dot(to_middle, to_middle), 1e-20F);
         const Real distance = sqrt(distance2);
@@ -130,7 +130,7 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
         const Real brightness = 2.0F / (light.radius * light.radius);
         return {direction, max(reach, 0.0F) * ALMOST, spot_share(light, -direction) * cap * brightness};
     }
-    const bool ellipse = light.kind == Light::Kind::ELLIPSE;
+    const bool ellipse = light.kind == LightKind::ELLIPSE;
     const vec3 there = broadcast(light.position) + broadcast(light.across) * (ellipse ? x : a) +
                        broadcast(light.up) * (ellipse ? y : b);
     return towards_place(light, point, there);

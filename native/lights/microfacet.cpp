@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lights/microfacet.hpp"
 
+#include "lights/light_kernels.hpp"
 #include "text/glsl_double.hpp"
-#include "text/kernels.hpp"
 
 #include <algorithm>
 #include <type_traits>
@@ -45,7 +45,7 @@ void mix_fresnel(std::vector<double> &out, double f0) {
 }
 
 void reflect(const MicrofacetBatch<float> &batch) {
-    kernels().reflect_lights(batch);
+    light_kernels().reflect_lights(batch);
 }
 
 void reflect(const MicrofacetBatch<double> &batch) {

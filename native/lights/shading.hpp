@@ -2,7 +2,8 @@
 // Between the two lane files that share it: surfaces in the light of one light, as many as there are lanes.
 #pragma once
 
-#include "text/kernels.hpp"
+#include "lights/light_view.hpp"
+#include "text/dispatch.hpp"
 
 namespace sfumato {
 

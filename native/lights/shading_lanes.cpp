@@ -106,9 +106,9 @@ struct Plate {
 };
 
 Plate plate_of(const Receiver &r, const LightView &light, const vec3 &middle) {
-    if (light.kind != Light::Kind::SPHERE) {
+    if (light.kind != LightKind::SPHERE) {
         return {r.local(middle), r.local(broadcast(light.across)), r.local(broadcast(light.up)),
-                r.local(broadcast(light.direction)), light.kind == Light::Kind::ELLIPSE};
+                r.local(broadcast(light.direction)), light.kind == LightKind::ELLIPSE};
     }
     // The disk that a sphere shows to the surface.
     const vec3 direction = normalised(-r.local(middle));
@@ -194,7 +194,7 @@ Shading dimmed(const Receiver &r, const Plate &plate, const Shading &whole, cons
 }
 
 Shading shading_of(const Receiver &r, const LightView &light) {
-    if (light.kind == Light::Kind::SUN) {
+    if (light.kind == LightKind::SUN) {
         const vec3 towards = broadcast(-light.direction);
         if (light.radius == 0.0F) {
             return from_direction(r, towards);
@@ -202,12 +202,12 @@ Shading shading_of(const Receiver &r, const LightView &light) {
         // The cone of the sun as a sphere at distance 1; irradiance 1 from a cone is a radiance of 1 / (pi sin^2).
         return scaled(from_sphere(r, towards, light.radius), 0.318309886F / (light.radius * light.radius));
     }
-    if (light.kind == Light::Kind::POLYGON) {
+    if (light.kind == LightKind::POLYGON) {
         const auto corner = [&](int i) { return broadcast(light.corners[i]) - r.point; };
         return from_quad(r, corner(0), corner(1), corner(2), corner(3));
     }
     const vec3 middle = broadcast(light.position) - r.point;
-    if (light.kind == Light::Kind::SPHERE) {
+    if (light.kind == LightKind::SPHERE) {
         const Real distance2 = max(dot(middle, middle), 1e-20F);
         if (light.radius == 0.0F) {
             return scaled(from_direction(r, middle * (1.0F / sqrt(distance2))), spot_share(light, -middle) / distance2);
@@ -224,8 +224,8 @@ Shading shading_of(const Receiver &r, const LightView &light) {
         });
     }
     const vec3 across = broadcast(light.across), up = broadcast(light.up);
-    Shading whole = light.kind == Light::Kind::RECTANGLE ? from_rectangle(r, middle, across, up)
-                                                         : from_ellipse(r, middle, across, up);
+    Shading whole = light.kind == LightKind::RECTANGLE ? from_rectangle(r, middle, across, up)
+                                                       : from_ellipse(r, middle, across, up);
     if (light.spread_cotangent > 0.0F) {
         whole = dimmed(r, plate_of(r, light, middle), whole, [&light](const vec3 & /*towards*/, Real cosine) {
             return spread_fade(cosine, light.spread_cotangent);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "maps/light_map.hpp"
 
+#include "maps/map_kernels.hpp"
+#include "scene/affine.hpp"
 #include "text/glsl.hpp"
 
 #include <algorithm>
@@ -89,16 +91,6 @@ glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int floats, double
 
 } // namespace
 
-Affine affine(const glm::dmat4 &m) {
-    Affine out;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 4; ++column) {
-            out.rows[row][column] = static_cast<float>(m[column][row]);
-        }
-    }
-    return out;
-}
-
 glm::dmat3 axes_of(const glm::dvec3 &direction) {
     const glm::dvec3 along = glm::normalize(direction);
     const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
@@ -122,12 +114,12 @@ void LightMap::look_up(std::span<const float> points, std::span<float> columns) 
     const auto total = static_cast<int>(columns.size());
     oneapi::tbb::parallel_for(0, (total + CHUNK - 1) / CHUNK, [&](int chunk) {
         const int first = chunk * CHUNK;
-        kernels().look_up(view(), points.data() + static_cast<std::ptrdiff_t>(first) * 3, columns.data() + first,
-                          std::min(CHUNK, total - first));
+        map_kernels().look_up(view(), points.data() + static_cast<std::ptrdiff_t>(first) * 3, columns.data() + first,
+                              std::min(CHUNK, total - first));
     });
 }
 
-LightMap projected(LightMap map, const CroppedMedium &medium, const Kernels &with) {
+LightMap projected(LightMap map, const CroppedMedium &medium, const InstructionSet &with) {
     const Affine light_to_grid = affine(glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light));
     const std::ptrdiff_t row_floats = static_cast<std::ptrdiff_t>(map.size.x) * map.view().stride();
     map.coefficients.resize(static_cast<std::size_t>(row_floats * map.size.y));
@@ -144,7 +136,7 @@ LightMap projected(LightMap map, const CroppedMedium &medium, const Kernels &wit
         row.coefficients = map.coefficients.data() + y * row_floats;
         std::vector<float> scratch(static_cast<std::size_t>(map.slices) * (MAX_LANES + 1));
         row.scratch = scratch.data();
-        with.project_row(row);
+        map_kernels(with).project_row(row);
     });
     return map;
 }

@@ -2,9 +2,10 @@
 // A light map: one medium's column density along the rays of one point of a light; and where solids begin on them.
 #pragma once
 
+#include "maps/map_view.hpp"
 #include "media/medium.hpp"
-#include "scene/scene.hpp"
-#include "text/kernels.hpp"
+#include "solids/surface_view.hpp"
+#include "text/dispatch.hpp"
 
 #include <span>
 #include <vector>
@@ -49,15 +50,15 @@ LightMap plan_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direct
 LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const LightMapSettings &settings);
 
 // A plan with its coefficients.
-LightMap projected(LightMap plan, const CroppedMedium &medium, const Kernels &with = kernels());
+LightMap projected(LightMap plan, const CroppedMedium &medium, const InstructionSet &with = instruction_set());
 
 inline LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction,
-                                   const LightMapSettings &settings, const Kernels &with = kernels()) {
+                                   const LightMapSettings &settings, const InstructionSet &with = instruction_set()) {
     return projected(plan_parallel_map(medium, direction, settings), medium, with);
 }
 
 inline LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position,
-                                 const LightMapSettings &settings, const Kernels &with = kernels()) {
+                                 const LightMapSettings &settings, const InstructionSet &with = instruction_set()) {
     return projected(plan_radial_map(medium, position, settings), medium, with);
 }
 

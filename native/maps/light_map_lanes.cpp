@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Building a light map from a density grid, and looking it up, many texels or cells at a time.
+#include "maps/map_kernels.hpp"
 #include "maps/sampling.hpp"
 #include "text/lanes.hpp"
 
@@ -7,6 +8,9 @@
 #include <cstddef>
 
 namespace sfumato::SFUMATO_ISA {
+
+void light_slice(const LightSlice &slice); // light_slice_lanes.cpp
+
 namespace {
 
 // The light ray of a texel in grid space: the middle of the first slice, and from there one slice on.
@@ -158,5 +162,7 @@ void look_up(const LightMapView &map, const float *points, float *columns, int c
         }
     }
 }
+
+extern const MapKernels map_kernels{project_row, look_up, light_slice};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lighting the cells of a medium: what of one light reaches each of them.
 #include "lights/lights_lanes.hpp"
+#include "maps/map_kernels.hpp"
 #include "maps/sampling.hpp"
 #include "text/lanes.hpp"
 

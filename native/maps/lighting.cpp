@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "maps/lighting.hpp"
 
+#include "maps/map_kernels.hpp"
+#include "scene/scene.hpp"
 #include "text/glsl.hpp"
 
 #include <algorithm>
@@ -203,7 +205,7 @@ void LightParts::end_round() {
 }
 
 Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const Surfaces &surfaces,
-                   const LightingSettings &settings, bool grey, const Kernels &with, LightParts &parts)
+                   const LightingSettings &settings, bool grey, const InstructionSet &with, LightParts &parts)
     : media_(media.size()) {
     place_samples(lights, media, settings.most_samples);
     build_maps(media, surfaces, settings.map, with, parts);
@@ -232,7 +234,7 @@ void Lighting::place_samples(std::span<const Light> lights, std::span<const Crop
 }
 
 void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces,
-                          const LightMapSettings &settings, const Kernels &with, LightParts &parts) {
+                          const LightMapSettings &settings, const InstructionSet &with, LightParts &parts) {
     std::size_t maps = 0;
     for (const std::vector<glm::vec3> &samples : samples_) {
         maps += samples.size() * media_;
@@ -258,8 +260,8 @@ void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &
 }
 
 Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
-                                  const Surfaces &surfaces, const LightMapSettings &settings, const Kernels &with,
-                                  LightParts &parts) const {
+                                  const Surfaces &surfaces, const LightMapSettings &settings,
+                                  const InstructionSet &with, LightParts &parts) const {
     if (!meets(light, sample, ball_of(medium))) {
         return {};
     }
@@ -304,7 +306,7 @@ Key Lighting::volume_key(std::size_t light, std::size_t own, std::span<const Cro
     return key;
 }
 
-void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const Kernels &with,
+void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
                             LightParts &parts) const {
     for (CroppedMedium &medium : media) {
         medium.light_channels = grey ? 2 : 4;
@@ -328,7 +330,7 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
                 oneapi::tbb::parallel_for(0, medium.grid->resolution.z, [&with, slice](int z) {
                     LightSlice own = slice;
                     own.z = z;
-                    with.light_slice(own);
+                    map_kernels(with).light_slice(own);
                 });
                 return volume;
             }));

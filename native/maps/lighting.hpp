@@ -2,6 +2,7 @@
 // The lights of a frame: how often each is sampled, its light maps, and the light volumes of the smoke.
 #pragma once
 
+#include "lights/light_view.hpp"
 #include "maps/light_map.hpp"
 #include "media/medium.hpp"
 #include "scene/kept.hpp"
@@ -13,6 +14,8 @@
 #include <vector>
 
 namespace sfumato {
+
+struct Light;
 
 struct LightingSettings {
     LightMapSettings map;
@@ -34,7 +37,7 @@ public:
     Lighting() = default;
     // Fills the light volumes of `media` too.
     Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const Surfaces &surfaces,
-             const LightingSettings &settings, bool grey, const Kernels &with, LightParts &parts);
+             const LightingSettings &settings, bool grey, const InstructionSet &with, LightParts &parts);
 
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
     // The map of one medium in one light, null where that light cannot meet it.
@@ -49,11 +52,12 @@ private:
 
     void place_samples(std::span<const Light> lights, std::span<const CroppedMedium> media, int most);
     void build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces, const LightMapSettings &settings,
-                    const Kernels &with, LightParts &parts);
+                    const InstructionSet &with, LightParts &parts);
     [[nodiscard]] Map build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
-                                const Surfaces &surfaces, const LightMapSettings &settings, const Kernels &with,
+                                const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
                                 LightParts &parts) const;
-    void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const Kernels &with, LightParts &parts) const;
+    void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
+                      LightParts &parts) const;
     [[nodiscard]] Key volume_key(std::size_t light, std::size_t own, std::span<const CroppedMedium> media,
                                  bool grey) const;
 

@@ -3,7 +3,8 @@
 // what is fetched are shared.
 #pragma once
 
-#include "text/kernels.hpp"
+#include "maps/map_view.hpp"
+#include "media/medium_view.hpp"
 #include "text/lanes.hpp"
 
 namespace sfumato::SFUMATO_ISA {
@@ -46,7 +47,7 @@ inline Real sample(const GridView &grid, const Cell &cell, int channel) {
     return lerp(lerp(row(0), row(y), cell.y), lerp(row(z), row(z + y), cell.y), cell.z);
 }
 
-// Clearance of the brick around a position, see kernels.hpp.
+// Clearance of the brick around a position, see medium_view.hpp.
 inline Real clearance_at(const ClearanceView &bricks, const vec3 &p) {
     const auto brick = [](Real coordinate, int size) {
         return truncate(clamp(coordinate * (1.0F / static_cast<float>(BRICK)), 0.0F, static_cast<float>(size) - 0.5F));

@@ -2,7 +2,7 @@
 // Densities made ready for marching: cropped to where there is smoke, with a map of the emptiness that is left.
 #pragma once
 
-#include "text/kernels.hpp"
+#include "media/medium_view.hpp"
 
 #include <cstddef>
 #include <memory>

@@ -3,7 +3,7 @@
 #include "module/arguments.hpp"
 #include "module/parts.hpp"
 #include "scene/volume_file.hpp"
-#include "text/kernels.hpp"
+#include "text/dispatch.hpp"
 
 namespace sfumato {
 namespace {
@@ -31,7 +31,7 @@ PYBIND11_MODULE(sfumato, m) {
     m.doc() = "Smoke, its light and its shadow: NumPy arrays in, NumPy arrays out.\n\n"
               "Metres, Z up, scene-linear RGB. Arrays may be float32 or float64; work is done in float32.\n"
               "Anything unusable raises ValueError and says which argument it was.";
-    m.attr("instruction_set") = kernels().name;
+    m.attr("instruction_set") = instruction_set().name;
     bind_area_light(m);
     bind_basis(m);
     bind_map(m);

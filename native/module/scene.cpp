@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes and cameras: what Python hands over, checked.
+#include "scene/scene.hpp"
+
+#include "media/medium.hpp"
 #include "module/lights.hpp"
 #include "module/parts.hpp"
 #include "module/scene_parts.hpp"
 #include "scene/camera.hpp"
-#include "text/kernels.hpp"
+
+#include <variant>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -39,7 +43,7 @@ std::vector<glm::mat4> places(const Doubles &to_world) {
     return out;
 }
 
-void add_instances(Scene &scene, const CheckedMesh &mesh, const Doubles &to_world, const Floats &albedo,
+void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &to_world, const Floats &albedo,
                    const std::optional<Floats> &gloss, const std::optional<Floats> &emission,
                    const std::optional<Floats> &diffuse_roughness) {
     Instances out;
@@ -53,8 +57,8 @@ void add_instances(Scene &scene, const CheckedMesh &mesh, const Doubles &to_worl
     scene.meshes.push_back(std::move(out));
 }
 
-void add_mesh(Scene &scene, const Floats &vertices, const py::array &triangles, const Floats &corner_normals,
-              const py::array &material, const Floats &albedo, const std::optional<Floats> &gloss,
+void add_mesh(ConsoleScene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
+              const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
               const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission,
               const std::optional<Floats> &diffuse_roughness) {
     require_shape(triangles, {-1, 3}, "triangles");
@@ -66,8 +70,7 @@ void add_mesh(Scene &scene, const Floats &vertices, const py::array &triangles, 
     }
     require_shape(albedo, {-1, 3}, "albedo");
     require_shape(material, {triangles.shape(0)}, "material");
-    const std::vector<std::uint32_t> rows =
-        indices(Doubles(any_array(material, "material")), albedo.shape(0), "material");
+    static_cast<void>(indices(material, albedo.shape(0), "material"));
     Instances out;
     out.shape = checked_mesh(vertices, triangles, corner_normals, material, corner_tangents).shape;
     out.materials = checked_materials(albedo, gloss, emission, diffuse_roughness);
@@ -75,31 +78,39 @@ void add_mesh(Scene &scene, const Floats &vertices, const py::array &triangles, 
     scene.meshes.push_back(std::move(out));
 }
 
-void require_room(const Scene &scene) {
+void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &density, const Doubles &grid_to_world,
+                const Floats &scattering, const Floats &absorption, float anisotropy) {
+    const auto *array = std::get_if<Floats>(&density);
+    if (array != nullptr) {
+        require_shape(*array, {-1, -1, -1}, "density");
+    }
     if (scene.media.size() == MAX_MEDIA) {
         throw py::value_error("scene holds " + std::to_string(MAX_MEDIA) + " media, and can hold no more");
     }
-}
-
-void add_grid(ConsoleScene &scene, const CheckedGrid &grid, float anisotropy) {
-    require_room(scene);
-    require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
+    require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
     Medium medium;
+    medium.grid_to_world = affine_matrix(grid_to_world, "grid_to_world");
+    if (!(std::abs(glm::determinant(glm::dmat4(medium.grid_to_world))) > 0.0)) {
+        throw py::value_error("grid_to_world flattens the grid: its determinant is 0");
+    }
+    medium.scattering = vector3(scattering, "scattering");
+    medium.absorption = vector3(absorption, "absorption");
+    require_range(scattering, 0.0F, 1e30F, "scattering");
+    require_range(absorption, 0.0F, 1e30F, "absorption");
+    require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
+    medium.anisotropy = anisotropy;
+    CheckedGrid grid;
+    if (array != nullptr) {
+        const glm::uvec3 resolution(array->shape(2), array->shape(1), array->shape(0));
+        const glm::vec3 extinction = medium.scattering + medium.absorption;
+        grid = checked_grid(*array, emptiness(resolution, medium.grid_to_world, extinction));
+    } else {
+        grid = std::get<CheckedGrid>(density);
+    }
     medium.resolution = grid.resolution;
     medium.grid = grid.grid;
-    medium.grid_to_world = grid.grid_to_world;
-    medium.scattering = grid.scattering;
-    medium.absorption = grid.absorption;
-    medium.anisotropy = anisotropy;
     scene.media.push_back(std::move(medium));
-    scene.densities.emplace_back();
-}
-
-void add_medium(ConsoleScene &scene, const Floats &density, const Doubles &grid_to_world, const Floats &scattering,
-                const Floats &absorption, float anisotropy) {
-    require_room(scene);
-    add_grid(scene, checked_grid(density, grid_to_world, scattering, absorption), anisotropy);
-    scene.densities.back() = density;
+    scene.densities.push_back(array != nullptr ? std::optional(*array) : std::nullopt);
 }
 
 glm::vec3 unit_vector(const Floats &array, const std::string &name) {
@@ -121,7 +132,7 @@ glm::vec3 place_of(const Floats &array, const std::string &name) {
     return vector3(array, name);
 }
 
-void add_sun(Scene &scene, const Floats &direction, const Floats &irradiance, float angle) {
+void add_sun(ConsoleScene &scene, const Floats &direction, const Floats &irradiance, float angle) {
     Light light;
     light.kind = Light::Kind::SUN;
     light.direction = unit_vector(direction, "direction");
@@ -131,8 +142,8 @@ void add_sun(Scene &scene, const Floats &direction, const Floats &irradiance, fl
     scene.lights.push_back(light);
 }
 
-void add_point(Scene &scene, const Floats &position, const Floats &intensity, float radius, const Floats &direction,
-               float cone, float blend, bool facing_disk, bool spot_cosine) {
+void add_point(ConsoleScene &scene, const Floats &position, const Floats &intensity, float radius,
+               const Floats &direction, float cone, float blend, bool facing_disk, bool spot_cosine) {
     Light light;
     light.kind = Light::Kind::SPHERE;
     light.position = place_of(position, "position");
@@ -149,8 +160,8 @@ void add_point(Scene &scene, const Floats &position, const Floats &intensity, fl
     scene.lights.push_back(light);
 }
 
-void add_area(Scene &scene, const Floats &position, const Floats &across, const Floats &up, const Floats &radiance,
-              bool ellipse, float spread) {
+void add_area(ConsoleScene &scene, const Floats &position, const Floats &across, const Floats &up,
+              const Floats &radiance, bool ellipse, float spread) {
     Light light;
     light.kind = ellipse ? Light::Kind::ELLIPSE : Light::Kind::RECTANGLE;
     light.position = place_of(position, "position");
@@ -173,7 +184,7 @@ void add_area(Scene &scene, const Floats &position, const Floats &across, const 
     scene.lights.push_back(light);
 }
 
-void add_polygon(Scene &scene, const Floats &corners, const Floats &radiance) {
+void add_polygon(ConsoleScene &scene, const Floats &corners, const Floats &radiance) {
     require_shape(corners, {-1, 3}, "corners");
     require_range(corners, -1e15F, 1e15F, "corners");
     const auto count = static_cast<std::size_t>(corners.shape(0));
@@ -241,8 +252,6 @@ material that the mesh names. Raises ValueError as add_mesh does, and for too fe
 >>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 >>> Scene().add_instances(triangle, np.stack([np.eye(4), np.diag([2, 2, 2, 1])]), [[0.8, 0.8, 0.8]])
 )")
-        .def("add_medium", &add_grid, py::arg("grid"), py::arg("anisotropy") = 0.0F,
-             R"(Add a Grid, with anisotropy g of Henyey and Greenstein (1941) in (-1, 1).)")
         .def(
             "add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
             py::arg("absorption"), py::arg("anisotropy") = 0.0F,
@@ -291,7 +300,7 @@ Raises ValueError for corners that are not flat and convex, or hold no area.
 )")
         .def(
             "set_background",
-            [](Scene &scene, const Floats &radiance) {
+            [](ConsoleScene &scene, const Floats &radiance) {
                 require_range(radiance, 0.0F, 1e30F, "radiance");
                 scene.background = vector3(radiance, "radiance");
             },

@@ -10,6 +10,7 @@
 
 #include <glm/matrix.hpp>
 #include <pybind11/stl.h>
+#define XXH_INLINE_ALL // a header, not one more library to find
 #include <xxhash.h>
 
 namespace sfumato {
@@ -52,7 +53,7 @@ std::vector<std::array<glm::vec3, 3>> corners(const Floats &array) {
 // What meshes have millions of comes as 32-bit integers; anything else takes the slower way.
 std::vector<std::uint32_t> any_indices(const py::array &array, py::ssize_t count, const std::string &name) {
     if (!array.dtype().is(py::dtype::of<std::int32_t>())) {
-        return indices(Doubles(any_array(array, name)), count, name);
+        return indices(Doubles(array), count, name);
     }
     const auto given = py::array_t<std::int32_t, py::array::c_style>::ensure(array);
     const std::int32_t *const first = given.data();
@@ -87,8 +88,10 @@ py::bytes content_hash(const py::args &arrays) {
 
 } // namespace
 
-CheckedMesh checked_mesh(const Floats &vertices, const py::array &triangles, const std::optional<Floats> &normals,
-                         const std::optional<py::array> &material, const std::optional<Floats> &tangents) {
+CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_given,
+                         const std::optional<Floats> &normals, const std::optional<py::object> &material_given,
+                         const std::optional<Floats> &tangents) {
+    const py::array triangles = any_array(triangles_given, "triangles");
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
     require_finite(vertices, "vertices");
@@ -115,9 +118,10 @@ CheckedMesh checked_mesh(const Floats &vertices, const py::array &triangles, con
     }
     CheckedMesh mesh;
     mesh.materials = count > 0 ? 1 : 0;
-    if (material) {
-        require_shape(*material, {count}, "material");
-        shape->material = any_indices(*material, std::numeric_limits<std::int32_t>::max(), "material");
+    if (material_given) {
+        const py::array material = any_array(*material_given, "material");
+        require_shape(material, {count}, "material");
+        shape->material = any_indices(material, std::numeric_limits<std::int32_t>::max(), "material");
         for (const std::uint32_t row : shape->material) {
             mesh.materials = std::max(mesh.materials, row + 1);
         }
@@ -148,8 +152,7 @@ Materials checked_materials(const Floats &albedo, const std::optional<Floats> &g
     return out;
 }
 
-CheckedGrid checked_grid(const Floats &density, const Doubles &grid_to_world, const Floats &scattering,
-                         const Floats &absorption) {
+CheckedGrid checked_grid(const Floats &density, float empty_below) {
     require_shape(density, {-1, -1, -1}, "density");
     if (density.size() == 0) {
         throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
@@ -159,22 +162,12 @@ CheckedGrid checked_grid(const Floats &density, const Doubles &grid_to_world, co
         throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
     }
     require_range(density, 0.0F, 1e30F, "density");
-    require_range(grid_to_world, -1e30, 1e30, "grid_to_world");
+    require_range(empty_below, 0.0F, std::numeric_limits<float>::infinity(), "empty_below");
     CheckedGrid out;
-    out.grid_to_world = affine_matrix(grid_to_world, "grid_to_world");
-    const double determinant = glm::determinant(glm::dmat4(out.grid_to_world));
-    if (!(std::abs(determinant) > 0.0)) {
-        throw py::value_error("grid_to_world flattens the grid: its determinant is 0");
-    }
-    out.scattering = vector3(scattering, "scattering");
-    out.absorption = vector3(absorption, "absorption");
-    require_range(scattering, 0.0F, 1e30F, "scattering");
-    require_range(absorption, 0.0F, 1e30F, "absorption");
     out.resolution = {density.shape(2), density.shape(1), density.shape(0)};
-    const float threshold = emptiness(out.resolution, out.grid_to_world, out.scattering + out.absorption);
     const std::span<const float> cells(density.data(), static_cast<std::size_t>(density.size()));
     const py::gil_scoped_release unlocked;
-    out.grid = crop(cells, glm::ivec3(out.resolution), threshold);
+    out.grid = crop(cells, glm::ivec3(out.resolution), empty_below);
     return out;
 }
 
@@ -211,20 +204,33 @@ is built twice. Raises ValueError for wrong shapes, indices out of range and val
              py::arg("material") = py::none(), py::arg("tangents") = py::none())
         .def_property_readonly(
             "triangles", [](const CheckedMesh &mesh) { return mesh.shape->triangles.size(); }, "How many there are.");
-    py::class_<CheckedGrid>(m, "Grid", R"(Densities of smoke in their place, cropped to where there is any.
+    m.def(
+        "emptiness",
+        [](const std::array<unsigned, 3> &shape, const Doubles &grid_to_world, const Floats &extinction) {
+            return emptiness({shape[2], shape[1], shape[0]}, affine_matrix(grid_to_world, "grid_to_world"),
+                             vector3(extinction, "extinction"));
+        },
+        py::arg("shape"), py::arg("grid_to_world"), py::arg("extinction"),
+        R"(The density that could darken nothing by more than 1e-4 of optical depth along a grid's diagonal: what a frame
+takes for empty. shape (nz, ny, nx); extinction (3,), per metre and unit density; infinite where that is 0.
 
-density, grid_to_world, scattering and absorption are those of Scene.add_medium, which takes a Grid for them: add the
-same one again, with a lamp that has moved, and what is still right of its light maps is kept. The array is not kept.
-Raises ValueError as add_medium does.
+>>> import numpy as np
+>>> round(emptiness((12, 4, 3), np.eye(4), extinction=(1, 5, 1)) * 5 * 13 * 1e4, 6)
+1.0
+)");
+    py::class_<CheckedGrid>(m, "Grid", R"(Densities of smoke, cropped to the cells above empty_below (see emptiness).
+
+density (nz, ny, nx), not negative. Scene.add_medium takes a Grid for its density: add the same one again, with a lamp
+that has moved, and what is still right of its light maps is kept. The array is not kept.
+Raises ValueError for an empty, negative or non-finite density.
 
 >>> import numpy as np
 >>> smoke = np.zeros((8, 8, 8), np.float32)
 >>> smoke[2:4, 2:5, 2:6] = 1.0
->>> Grid(smoke, np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0)).cells
+>>> Grid(smoke).cells
 120
 )")
-        .def(py::init(&checked_grid), py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
-             py::arg("absorption"))
+        .def(py::init(&checked_grid), py::arg("density"), py::arg("empty_below") = 0.0F)
         .def_property_readonly(
             "cells", [](const CheckedGrid &grid) { return grid.grid ? grid.grid->density.size() : 0; },
             "How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it.");

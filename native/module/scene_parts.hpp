@@ -18,25 +18,22 @@ struct CheckedMesh {
     std::uint32_t materials = 0; // rows that it names
 };
 
-CheckedMesh checked_mesh(const arguments::Floats &vertices, const arguments::py::array &triangles,
+CheckedMesh checked_mesh(const arguments::Floats &vertices, const arguments::py::object &triangles,
                          const std::optional<arguments::Floats> &normals,
-                         const std::optional<arguments::py::array> &material,
+                         const std::optional<arguments::py::object> &material,
                          const std::optional<arguments::Floats> &tangents);
 
 Materials checked_materials(const arguments::Floats &albedo, const std::optional<arguments::Floats> &gloss,
                             const std::optional<arguments::Floats> &emission,
                             const std::optional<arguments::Floats> &diffuse_roughness);
 
-// Densities in their place, cropped; the grid is null where nothing can be seen of them.
+// Densities, cropped; the grid is null where nothing can be seen of them.
 struct CheckedGrid {
     std::shared_ptr<const Grid> grid;
     glm::uvec3 resolution{0};
-    glm::mat4 grid_to_world{1.0F};
-    glm::vec3 scattering{0.0F}, absorption{0.0F};
 };
 
-CheckedGrid checked_grid(const arguments::Floats &density, const arguments::Doubles &grid_to_world,
-                         const arguments::Floats &scattering, const arguments::Floats &absorption);
+CheckedGrid checked_grid(const arguments::Floats &density, float empty_below);
 
 // A scene, and the densities that its grids were made of: only the judge asks for those, so they stay the caller's.
 struct ConsoleScene : Scene {

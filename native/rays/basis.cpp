@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "rays/basis.hpp"
 
+#include "rays/ray_kernels.hpp"
 #include "text/glsl.hpp"
-#include "text/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -161,8 +161,8 @@ void RayEvaluator::operator()(std::span<const float> coefficients, const Range &
     if (half || series.name == FOURIER) {
         const std::array<float, 2> ends{range.low, range.high};
         const auto all = static_cast<int>(depth.size());
-        kernels().look_up_series({coefficients.data(), ends.data(), static_cast<int>(series.count), half, depth.data(),
-                                  out.data(), all, all});
+        ray_kernels().look_up_series({coefficients.data(), ends.data(), static_cast<int>(series.count), half,
+                                      depth.data(), out.data(), all, all});
         return;
     }
     std::vector<float> g(coefficients.size());
@@ -177,7 +177,7 @@ void RayEvaluator::monotone(std::span<const float> coefficients, const Range &ra
                             std::span<float> out) const {
     const float total = total_of(series, coefficients);
     std::array<float, CELLS + 1> tau{}, most{}, least{};
-    kernels().weigh_rows({edges.data(), coefficients.data(), coefficients.size(), CELLS, tau.data()});
+    ray_kernels().weigh_rows({edges.data(), coefficients.data(), coefficients.size(), CELLS, tau.data()});
     for (float &value : tau) {
         value = std::clamp(value, 0.0F, total);
     }

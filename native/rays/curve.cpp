@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "rays/curve.hpp"
 
-#include "text/kernels.hpp"
+#include "rays/ray_kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -63,8 +63,9 @@ void curve_transmittance(std::span<const std::uint8_t> texels, std::span<const f
     for (std::size_t first = 0; first < rays; first += PIECE) {
         const std::size_t count = std::min(PIECE, rays - first);
         std::memcpy(words.data(), texels.data() + first * CURVE_BYTES, count * CURVE_BYTES);
-        kernels().look_up_texels({words.data(), true, depth.data() + first * receivers, out.data() + first * receivers,
-                                  static_cast<int>(receivers), static_cast<int>(count * receivers)});
+        ray_kernels().look_up_texels({words.data(), true, depth.data() + first * receivers,
+                                      out.data() + first * receivers, static_cast<int>(receivers),
+                                      static_cast<int>(count * receivers)});
     }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sums over a ray's absorbers, basis by basis, as fast as each allows. Basis::density says what they are sums of.
 #include "rays/basis.hpp"
+#include "rays/ray_kernels.hpp"
 #include "text/glsl.hpp"
-#include "text/kernels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,8 +19,8 @@ void project_harmonics(const Absorbers &absorbers, const Range &range, float wid
     std::vector<float> many(count > few.size() ? count : 0);
     const std::span<float> sums = many.empty() ? std::span<float>(few).first(count) : std::span<float>(many);
     const float frequency = half ? 0.5F : 1.0F;
-    kernels().harmonic_sums({absorbers.depth.data(), absorbers.tau.data(), absorbers.depth.size(), range.low,
-                             range.high, half, harmonics, sums.data()});
+    ray_kernels().harmonic_sums({absorbers.depth.data(), absorbers.tau.data(), absorbers.depth.size(), range.low,
+                                 range.high, half, harmonics, sums.data()});
     coefficients[0] += half ? sums[0] : 2.0F * sums[0];
     for (std::size_t k = 1; k <= harmonics; ++k) {
         const float thickness = width > 0.0F ? glsl::slab_factor(frequency * static_cast<float>(k), width) : 1.0F;

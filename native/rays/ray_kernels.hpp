@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The inner loops of single light rays (basis.hpp, curve.hpp) as kernels.hpp wants them: plain views that own nothing.
+// The inner loops of single light rays (basis.hpp, curve.hpp), and the plain views that they read.
 #pragma once
+
+#include "text/dispatch.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -45,5 +47,14 @@ struct TexelLookUp {
     float *out = nullptr;
     int receivers = 1, total = 0;
 };
+
+struct RayKernels {
+    void (*harmonic_sums)(const HarmonicSums &);
+    void (*weigh_rows)(const WeightedRows &);
+    void (*look_up_series)(const SeriesLookUp &);
+    void (*look_up_texels)(const TexelLookUp &);
+};
+
+const RayKernels &ray_kernels(const InstructionSet &with = instruction_set());
 
 } // namespace sfumato

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light rays, many absorbers or receivers at a time.
+#include "rays/ray_kernels.hpp"
 #include "text/lanes.hpp"
 
 #include <algorithm>
@@ -235,5 +236,7 @@ void look_up_texels(const TexelLookUp &look_up) {
         return transmittance_of(head.total * clamp(d + first.sine * next, 0.0F, 1.0F));
     });
 }
+
+extern const RayKernels ray_kernels{harmonic_sums, weigh_rows, look_up_series, look_up_texels};
 
 } // namespace sfumato::SFUMATO_ISA

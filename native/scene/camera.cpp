@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/camera.hpp"
 
+#include "scene/scene.hpp"
+
 #include <cmath>
 #include <stdexcept>
 

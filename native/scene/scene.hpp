@@ -3,6 +3,8 @@
 // A field enters here with its first reader. `reference` shares this file with the methods and nothing else.
 #pragma once
 
+#include "scene/light_kind.hpp"
+
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -79,13 +81,7 @@ struct Medium {
 
 // A light as Cycles models it: uniform over its extent. What `strength` means depends on the kind.
 struct Light {
-    enum class Kind : std::uint8_t {
-        SUN,    // far away; strength: irradiance on a surface that faces it, W/m^2
-        SPHERE, // a point with a radius, and a spot when its cone is narrower than everything; radiant intensity, W/sr
-        RECTANGLE, // one-sided, shines along `direction`; radiance, W/(m^2 sr), where it is brightest
-        ELLIPSE,   // the same, inscribed in the rectangle
-        POLYGON    // a part of a mesh that glows: shines from both its sides; radiance
-    };
+    using Kind = LightKind;
     Kind kind = Kind::SUN;
     glm::vec3 strength{1.0F};
     glm::vec3 direction{0.0F, 0.0F, -1.0F}; // the way the light travels, unit length; of a sphere, its cone's axis

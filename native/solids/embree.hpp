@@ -14,7 +14,8 @@
 
 namespace sfumato {
 
-// One packet of rays, `Lanes` wide, against a scene: the first hit, or whether anything is hit at all.
+// One packet of rays, `Lanes` wide, against a scene: the first hit, or whether anything is hit at all. Rays count as
+// incoherent: Embree 3.13 never comes back from coherent packets that ask for occlusion among instances.
 template <int Lanes>
 struct Rays;
 
@@ -40,13 +41,11 @@ struct Rays;
         static void intersect(const int *valid, RTCScene scene, RayHit &rays) {                                        \
             RTCIntersectContext context;                                                                               \
             rtcInitIntersectContext(&context);                                                                         \
-            context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;                                                       \
             rtcIntersect##LANES(valid, scene, &context, &rays);                                                        \
         }                                                                                                              \
         static void occluded(const int *valid, RTCScene scene, Ray &rays) {                                            \
             RTCIntersectContext context;                                                                               \
             rtcInitIntersectContext(&context);                                                                         \
-            context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;                                                       \
             rtcOccluded##LANES(valid, scene, &context, &rays);                                                         \
         }                                                                                                              \
     };

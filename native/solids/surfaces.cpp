@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solids/surfaces.hpp"
 
+#include "scene/scene.hpp"
+
 #include <algorithm>
 #include <stdexcept>
 #include <string>

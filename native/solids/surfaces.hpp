@@ -4,7 +4,7 @@
 
 #include "scene/kept.hpp"
 #include "scene/scene.hpp"
-#include "text/kernels.hpp"
+#include "solids/surface_view.hpp"
 
 #include <memory>
 #include <span>

@@ -2,11 +2,11 @@
 // shaders/*.glsl as C++, as many lanes wide as the instruction set of this translation unit allows.
 //
 // The files that include this one are compiled once per instruction set, each time into a namespace of its own,
-// SFUMATO_ISA; dispatch.cpp chooses among them at run time. Everything here has internal linkage, so that no function
+// SFUMATO_ISA; dispatch.hpp chooses among them at run time. Everything here has internal linkage, so that no function
 // compiled for a newer processor can replace its twin in code that runs on every processor.
 #pragma once
 
-#include "text/kernels.hpp"
+#include "scene/affine.hpp"
 
 #include <algorithm>
 #include <cstdint>

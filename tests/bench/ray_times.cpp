@@ -3,7 +3,7 @@
 // Every time is the least of many runs, in nanoseconds a ray or a receiver, on one thread.
 #include "rays/curve.hpp"
 #include "rays/opacity.hpp"
-#include "text/kernels.hpp"
+#include "rays/ray_kernels.hpp"
 
 #include <chrono>
 #include <cstdio>
@@ -107,14 +107,15 @@ void look_ups(std::size_t receivers, bool last) {
         std::memcpy(curves.data() + ray * RAY_WORDS, texel.data(), texel.size());
     }
     const auto each = static_cast<int>(receivers), all = static_cast<int>(out.size());
-    print("look-up", "fourier", receivers, nanoseconds(out.size(), [&] {
-              kernels().look_up_series({seven.data(), ranges.data(), 7, false, depth.data(), out.data(), each, all});
-          }));
+    print(
+        "look-up", "fourier", receivers, nanoseconds(out.size(), [&] {
+            ray_kernels().look_up_series({seven.data(), ranges.data(), 7, false, depth.data(), out.data(), each, all});
+        }));
     print("look-up", "cosine-range", receivers, nanoseconds(out.size(), [&] {
-              kernels().look_up_texels({packed.data(), false, depth.data(), out.data(), each, all});
+              ray_kernels().look_up_texels({packed.data(), false, depth.data(), out.data(), each, all});
           }));
     print("look-up", "curve", receivers, nanoseconds(out.size(), [&] {
-              kernels().look_up_texels({curves.data(), true, depth.data(), out.data(), each, all});
+              ray_kernels().look_up_texels({curves.data(), true, depth.data(), out.data(), each, all});
           }));
     const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t *>(packed.data()), RAYS * 20);
     const RayEvaluator monotone(cosine, Evaluator::MONOTONE);

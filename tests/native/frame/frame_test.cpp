@@ -232,7 +232,7 @@ TEST(Picture, IsTheSameEachTimeAndOnEveryInstructionSet) {
     scene.lights[0].angle = 0.1F;
     const std::vector<float> image = render(scene, {15, 1.0, 1.0}, 16);
     EXPECT_EQ(largest_difference(image, render(scene, {15, 1.0, 1.0}, 16)), 0.0);
-    for (const Kernels &set : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         EXPECT_LT(largest_difference(image, render(scene, {15, 1.0, 1.0}, 16, camera, set)), 1e-5) << set.name;
     }
 }

@@ -231,7 +231,7 @@ TEST(Lamps, AreTheSameOnEveryInstructionSet) {
         // Where a ray passes a lamp at a centimetre, the square of their distance rounds to 1e-4.
         const double brightest = double{*std::max_element(image.begin(), image.end())};
         const double allowed = brightest > 10.0 ? 1e-4 * brightest : 1e-5;
-        for (const Kernels &set : available_kernels()) {
+        for (const InstructionSet &set : instruction_sets()) {
             EXPECT_LT(largest_difference(image, render(scene, quick, 16, camera, set)), allowed)
                 << each.name << ", " << set.name;
         }

@@ -2,9 +2,9 @@
 // shaders/lights/polygon.glsl, poles.glsl, edge_integrals.glsl and ellipse.glsl, in one lane, many, and double
 // precision.
 #include "lights/area_light.hpp"
+#include "lights/light_kernels.hpp"
 #include "reference/area_light.hpp"
 #include "text/glsl.hpp"
-#include "text/kernels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -205,8 +205,8 @@ TEST(Lanes, AgreeWithDoublePrecisionWhateverTheirNumber) {
     }
     for (const LobeMethod method : {LobeMethod::DIFFUSE, LobeMethod::POLES, LobeMethod::ARVO}) {
         integrate(precise.view(method));
-        for (const Kernels &set : available_kernels()) {
-            set.integrate_lights(single.view(method));
+        for (const InstructionSet &set : instruction_sets()) {
+            light_kernels(set).integrate_lights(single.view(method));
             for (std::size_t i = 0; i < single.out.size(); ++i) {
                 EXPECT_NEAR(single.out[i], precise.out[i], method == LobeMethod::ARVO ? 3e-5 : 3e-6) << set.name;
             }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Area lights on rough surfaces: what physics fixes, what the quadratures say, and what rounding may do.
+#include "lights/light_kernels.hpp"
 #include "lights/microfacet.hpp"
 #include "reference/microfacet.hpp"
 #include "text/glsl_double.hpp"
-#include "text/kernels.hpp"
 
 #include <algorithm>
 #include <array>
@@ -39,7 +39,7 @@ Light quad(const dvec3 &a, const dvec3 &b, const dvec3 &c, const dvec3 &d) {
 template <typename Number>
 std::vector<Number> reflections(LightShape shape, const std::vector<Number> &lights, std::size_t width,
                                 const std::vector<Number> &views, const std::vector<Number> &alphas,
-                                Brdf brdf = Brdf::GGX, const Kernels *kernels = nullptr) {
+                                Brdf brdf = Brdf::GGX, const InstructionSet *set = nullptr) {
     std::vector<Number> out(2 * lights.size() / width);
     MicrofacetBatch<Number> batch;
     batch.shape = shape;
@@ -51,8 +51,8 @@ std::vector<Number> reflections(LightShape shape, const std::vector<Number> &lig
     batch.alpha = {alphas.data(), 2};
     batch.out = out.data();
     if constexpr (std::is_same_v<Number, float>) {
-        if (kernels != nullptr) {
-            kernels->reflect_lights(batch);
+        if (set != nullptr) {
+            light_kernels(*set).reflect_lights(batch);
             return out;
         }
     }
@@ -470,18 +470,18 @@ TEST(Microfacet, NoLightDependsOnItsNeighbours) {
     for (std::size_t k = 0; k < 1024; k += 4) {
         cases.alphas[k + 1] = cases.alphas[k];
     }
-    for (const Kernels &kernels : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         const auto together = reflections<float>(LightShape::POLYGON, single(cases.quads), 12, single(cases.views),
-                                                 single(cases.alphas), Brdf::GGX, &kernels);
+                                                 single(cases.alphas), Brdf::GGX, &set);
         for (std::size_t k = 0; k < 512; ++k) {
             const auto part = [&](const std::vector<double> &values, std::size_t width) {
                 const auto first = values.begin() + static_cast<std::ptrdiff_t>(width * k);
                 return single({first, first + static_cast<std::ptrdiff_t>(width)});
             };
             const auto alone = reflections<float>(LightShape::POLYGON, part(cases.quads, 12), 12, part(cases.views, 3),
-                                                  part(cases.alphas, 2), Brdf::GGX, &kernels);
-            EXPECT_NEAR(together[2 * k], alone[0], 1e-6) << kernels.name << " " << k;
-            EXPECT_NEAR(together[2 * k + 1], alone[1], 1e-6) << kernels.name << " " << k;
+                                                  part(cases.alphas, 2), Brdf::GGX, &set);
+            EXPECT_NEAR(together[2 * k], alone[0], 1e-6) << set.name << " " << k;
+            EXPECT_NEAR(together[2 * k + 1], alone[1], 1e-6) << set.name << " " << k;
         }
     }
 }
@@ -492,16 +492,16 @@ TEST(Microfacet, SingleAndDoublePrecisionAgree) {
     const Cases cases = random_cases(20'000, 7, 0.03, 0.01, false);
     const auto exact =
         reflections<double>(LightShape::POLYGON, rounded(cases.quads), 12, rounded(cases.views), rounded(cases.alphas));
-    for (const Kernels &kernels : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         const auto mine = reflections<float>(LightShape::POLYGON, single(cases.quads), 12, single(cases.views),
-                                             single(cases.alphas), Brdf::GGX, &kernels);
+                                             single(cases.alphas), Brdf::GGX, &set);
         std::vector<double> errors;
         for (std::size_t k = 0; k < mine.size(); k += 2) {
             errors.push_back(std::abs(static_cast<double>(mine[k]) - exact[k]));
         }
         std::sort(errors.begin(), errors.end());
-        EXPECT_LT(errors[errors.size() * 999 / 1000], 5e-6) << kernels.name;
-        EXPECT_LT(errors.back(), 2e-4) << kernels.name;
+        EXPECT_LT(errors[errors.size() * 999 / 1000], 5e-6) << set.name;
+        EXPECT_LT(errors.back(), 2e-4) << set.name;
     }
 }
 
@@ -519,17 +519,17 @@ TEST(Microfacet, SinglePrecisionIsEnoughForBrushedMetal) {
     }
     const auto exact =
         reflections<double>(LightShape::POLYGON, rounded(cases.quads), 12, rounded(cases.views), rounded(cases.alphas));
-    for (const Kernels &kernels : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         const auto mine = reflections<float>(LightShape::POLYGON, single(cases.quads), 12, single(cases.views),
-                                             single(cases.alphas), Brdf::GGX, &kernels);
+                                             single(cases.alphas), Brdf::GGX, &set);
         std::vector<double> errors;
         for (std::size_t k = 0; k < mine.size(); k += 2) {
             errors.push_back(std::abs(static_cast<double>(mine[k]) - exact[k]));
         }
         std::sort(errors.begin(), errors.end());
-        EXPECT_LT(errors[errors.size() * 97 / 100], 5e-6) << kernels.name;
-        EXPECT_LT(errors[errors.size() * 999 / 1000], 2e-4) << kernels.name;
-        EXPECT_LT(errors.back(), 1e-2) << kernels.name;
+        EXPECT_LT(errors[errors.size() * 97 / 100], 5e-6) << set.name;
+        EXPECT_LT(errors[errors.size() * 999 / 1000], 2e-4) << set.name;
+        EXPECT_LT(errors.back(), 1e-2) << set.name;
     }
 }
 
@@ -550,11 +550,11 @@ TEST(Microfacet, NoInputMakesANaN) {
             std::generate(views.begin(), views.end(), [&] { return static_cast<float>(number()); });
             std::generate(alphas.begin(), alphas.end(),
                           [&] { return static_cast<float>(roughness[random() % roughness.size()]); });
-            for (const Kernels &kernels : available_kernels()) { // each has a reciprocal of its own
-                const auto out = reflections<float>(shape, lights, width, views, alphas, brdf, &kernels);
+            for (const InstructionSet &set : instruction_sets()) { // each has a reciprocal of its own
+                const auto out = reflections<float>(shape, lights, width, views, alphas, brdf, &set);
                 const auto bad = std::find_if(out.begin(), out.end(), [](float x) { return !(x >= 0.0F && x < 1e4F); });
                 ASSERT_EQ(bad, out.end()) << *bad << " of shape " << static_cast<int>(shape) << ", light "
-                                          << (bad - out.begin()) / 2 << ", " << kernels.name;
+                                          << (bad - out.begin()) / 2 << ", " << set.name;
             }
         }
     }

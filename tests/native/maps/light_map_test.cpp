@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "maps/light_map.hpp"
+#include "maps/map_kernels.hpp"
 #include "solids/surfaces.hpp"
 #include "support/reference_scenes.hpp"
 
@@ -263,9 +264,9 @@ TEST(LightMap, LooksUpTheSeriesOnEveryInstructionSet) {
     map.count = COUNT;
     map.width = map.height = SIDE;
     map.world_to_light = affine(glm::dmat4(1.0));
-    for (const Kernels &set : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         std::vector<float> columns(203, -1.0F);
-        set.look_up(map, points.data(), columns.data(), 203);
+        map_kernels(set).look_up(map, points.data(), columns.data(), 203);
         for (std::size_t i = 0; i < 203; ++i) {
             EXPECT_NEAR(columns[i], expected[i], 1e-5) << set.name << ", point " << i;
         }
@@ -275,7 +276,7 @@ TEST(LightMap, LooksUpTheSeriesOnEveryInstructionSet) {
 TEST(Kernels, BuildTheSameMaps) {
     const Medium medium = random_medium({12, 14, 16}, oblique_grid(), 35);
     const LightMap map = map_of(medium, 31, 2.0);
-    for (const Kernels &set : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         const LightMap other = build_parallel_map(crop(medium), along, {31, 2.0}, set);
         ASSERT_EQ(other.coefficients.size(), map.coefficients.size());
         for (std::size_t i = 0; i < map.coefficients.size(); ++i) {

@@ -36,7 +36,7 @@ struct Lit {
     LightParts parts;
     Lighting lighting;
 
-    Lit(const Scene &scene, int samples, const Kernels &with = kernels())
+    Lit(const Scene &scene, int samples, const InstructionSet &with = instruction_set())
         : surfaces(scene.meshes), media(cropped(scene)),
           grey(std::all_of(media.begin(), media.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
           lighting(scene.lights, media, surfaces, {{31, 4.0}, samples}, grey, with, parts) {}
@@ -484,7 +484,7 @@ TEST(Kernels, FillTheSameLightVolumes) {
     for (const bool with_wall : {false, true}) {
         scene.meshes.resize(with_wall ? 1 : 0);
         const Lit lit(scene, 4);
-        for (const Kernels &set : available_kernels()) {
+        for (const InstructionSet &set : instruction_sets()) {
             const Lit other(scene, 4, set);
             for (std::size_t m = 0; m < 2; ++m) {
                 ASSERT_EQ(lit.media[m].light.size(), other.media[m].light.size());

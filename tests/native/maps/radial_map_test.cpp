@@ -243,7 +243,7 @@ TEST(RadialMap, IsTheSameOnEveryInstructionSet) {
     const CroppedMedium medium = crop(smooth_medium({16, 18, 20}, oblique_grid()));
     for (const glm::dvec3 &light : {glm::dvec3(3.0, 2.0, 9.0), glm::dvec3(0.9, 0.2, 2.5)}) {
         const LightMap map = build_radial_map(medium, light, {31, 1.0});
-        for (const Kernels &set : available_kernels()) {
+        for (const InstructionSet &set : instruction_sets()) {
             const LightMap other = build_radial_map(medium, light, {31, 1.0}, set);
             ASSERT_EQ(other.coefficients.size(), map.coefficients.size());
             // Rays that graze smoke may differ in their range, which says nothing about what they hold.

@@ -2,8 +2,8 @@
 // shaders/rays/opacity.glsl: the Fourier series of an absorption function, one lane wide and many.
 #include "rays/opacity.hpp"
 #include "reference/reference.hpp"
+#include "text/dispatch.hpp"
 #include "text/glsl.hpp"
-#include "text/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -210,13 +210,13 @@ TEST(OpticalDepth, IsUndoneByTransmittanceAndFiniteForTheOpaque) {
     EXPECT_NEAR(glsl::optical_depth_of(1.0F), 20.0 * std::numbers::ln2, 0.05);
 }
 
-TEST(Kernels, AreListedWithTheWidestLast) {
+TEST(InstructionSets, AreListedWithTheWidestLast) {
     int lanes = 0;
-    for (const Kernels &set : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         EXPECT_GT(set.lanes, lanes);
         lanes = set.lanes;
     }
-    EXPECT_EQ(kernels().lanes, lanes);
+    EXPECT_EQ(instruction_set().lanes, lanes);
     EXPECT_LE(lanes, MAX_LANES);
 }
 

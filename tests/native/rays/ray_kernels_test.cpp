@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The lanes of every instruction set against the same text, one lane wide, and against the table of bases.
 #include "rays/curve.hpp"
+#include "rays/ray_kernels.hpp"
 #include "support/ray_profiles.hpp"
 #include "text/glsl.hpp"
-#include "text/kernels.hpp"
 
 #include <array>
 #include <cstring>
@@ -62,10 +62,11 @@ TEST_F(EverySet, SumsHarmonics) {
         z.push_back(float(i) / 300.0F);
         tau.push_back(0.01F * float(i % 7));
     }
-    for (const Kernels &set : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         for (const bool half : {false, true}) {
             std::array<float, 19> sums{};
-            set.harmonic_sums({z.data(), tau.data(), z.size(), 0.25F, 0.75F, half, half ? 18U : 9U, sums.data()});
+            ray_kernels(set).harmonic_sums(
+                {z.data(), tau.data(), z.size(), 0.25F, 0.75F, half, half ? 18U : 9U, sums.data()});
             for (std::size_t j = 0; j < sums.size(); ++j) {
                 const std::size_t k = half ? j : (j + 1) / 2;
                 double wanted = 0.0;
@@ -87,10 +88,11 @@ TEST_F(EverySet, LooksUpSeries) {
     }
     for (const Series &series : {Series{FOURIER, 7, {}}, Series{FOURIER, 31, {}}, Series{COSINE, 15, {}}}) {
         const std::vector<float> c = coefficients(series), wanted = expected(series, c);
-        for (const Kernels &set : available_kernels()) {
+        for (const InstructionSet &set : instruction_sets()) {
             std::vector<float> found(depth.size() + 1, -1.0F);
-            set.look_up_series({c.data(), pairs.data(), static_cast<int>(series.count), series.name == COSINE,
-                                depth.data(), found.data(), RECEIVERS, RAYS * RECEIVERS});
+            ray_kernels(set).look_up_series({c.data(), pairs.data(), static_cast<int>(series.count),
+                                             series.name == COSINE, depth.data(), found.data(), RECEIVERS,
+                                             RAYS * RECEIVERS});
             EXPECT_EQ(found.back(), -1.0F) << set.name;
             for (std::size_t i = 0; i < depth.size(); ++i) {
                 EXPECT_NEAR(found[i], wanted[i], 1e-5) << set.name << ", " << series.count << " at " << depth[i];
@@ -111,9 +113,10 @@ TEST_F(EverySet, LooksUpCosinesInEightBits) {
         std::memcpy(texels.data() + r * RAY_WORDS, texel.data(), texel.size());
     }
     const std::vector<float> wanted = expected(series, c);
-    for (const Kernels &set : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         std::vector<float> found(depth.size());
-        set.look_up_texels({texels.data(), false, depth.data(), found.data(), RECEIVERS, RAYS * RECEIVERS});
+        ray_kernels(set).look_up_texels(
+            {texels.data(), false, depth.data(), found.data(), RECEIVERS, RAYS * RECEIVERS});
         for (std::size_t i = 0; i < depth.size(); ++i) {
             EXPECT_NEAR(found[i], wanted[i], 1e-5) << set.name << " at " << depth[i];
         }
@@ -155,9 +158,9 @@ TEST_F(EverySet, LooksUpCurves) {
             wanted.push_back(on_curve(texel, double{depth[r * RECEIVERS + i]}));
         }
     }
-    for (const Kernels &set : available_kernels()) {
+    for (const InstructionSet &set : instruction_sets()) {
         std::vector<float> found(depth.size());
-        set.look_up_texels({texels.data(), true, depth.data(), found.data(), RECEIVERS, RAYS * RECEIVERS});
+        ray_kernels(set).look_up_texels({texels.data(), true, depth.data(), found.data(), RECEIVERS, RAYS * RECEIVERS});
         for (std::size_t i = 0; i < depth.size(); ++i) {
             EXPECT_NEAR(found[i], wanted[i], 2e-5) << set.name << ", ray " << i / RECEIVERS << " at " << depth[i];
         }

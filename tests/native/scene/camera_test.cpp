@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // shaders/camera.glsl and native/scene/camera.cpp: rays, and where they are inside a box.
 #include "scene/camera.hpp"
+#include "scene/scene.hpp"
 #include "text/glsl.hpp"
 
 #include <cmath>

@@ -52,7 +52,7 @@ inline Scene smoke_over_floor_and_block() {
 }
 
 inline std::vector<float> render(const Scene &scene, const FrameSettings &settings = finest, int edge_samples = 1,
-                                 const Camera &from = camera, const Kernels &with = kernels()) {
+                                 const Camera &from = camera, const InstructionSet &with = instruction_set()) {
     return Frame(scene, settings, with).render(from, WIDTH, HEIGHT, edge_samples, {}).value();
 }
 

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The triangles of objects as native meshes, read in bulk and no more often than they change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import compat, core
+from .parts import Owner, Parts
+
+SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+
+@dataclass
+class Triangles:
+    """What a native Mesh is made of, in the object's space."""
+
+    vertices: NDArray[np.float32]  # (n, 3)
+    triangles: NDArray[np.int32]  # (m, 3)
+    normals: NDArray[np.float32] | None  # (n, 3) or (m, 3, 3); None for flat triangles
+    material: NDArray[np.int32] | None  # (m,), the slot; None where there is but one
+    tangents: NDArray[np.float32] | None  # (m, 3, 3)
+
+
+def mesh_of(thing: Any, slots: int, brushed: bool, view_layer: str, parts: Parts) -> Any | None:
+    """The native mesh of an object with so many material slots, with tangents if its gloss is brushed; None without
+    triangles. Raises ValueError for what cannot be shown."""
+
+    def read() -> tuple[Any, ...] | None:
+        found = triangles_of(thing, slots, brushed)
+        if found is None:
+            return None
+        return found.vertices, found.triangles, found.normals, found.material, found.tangents
+
+    return parts.part(read, ("mesh",), core.module().Mesh, _owner(thing, (slots, brushed, view_layer)))
+
+
+def _owner(thing: Any, how: tuple[Any, ...]) -> Owner | None:
+    """Whose mesh it is, if Blender would tell of its changes: what nodes make for an instance has no original."""
+    if not _own_data_will_do(thing):
+        return None
+    mesh, original = thing.data, thing.original
+    if original.data is None or not mesh.original.as_pointer() == original.data.as_pointer() != mesh.as_pointer():
+        return None
+    positions = core.module().content_hash(_vertices(mesh))
+    addresses = original.as_pointer(), original.data.as_pointer()
+    return Owner(addresses, (positions, len(mesh.loops), len(mesh.polygons), *how))
+
+
+def triangles_of(thing: Any, slots: int, brushed: bool = False) -> Triangles | None:
+    """The triangles of an object, None if it has none."""
+    if _own_data_will_do(thing):
+        return _read(thing.data, _vertices(thing.data), slots, brushed)
+    mesh = thing.to_mesh()
+    if mesh is None:
+        return None
+    try:
+        return _read(mesh, _vertices(mesh), slots, brushed, own_copy=True)
+    finally:
+        thing.to_mesh_clear()
+
+
+def _own_data_will_do(thing: Any) -> bool:
+    """Whether an evaluated object's data is its final mesh, and all that is wanted can be read without changing it."""
+    if thing.type != "MESH" or thing.data.is_editmode or compat.corner_normals_need_a_copy(thing.data):
+        return False
+    return not compat.subdivides_on_the_gpu(thing)
+
+
+def _vertices(mesh: Any) -> NDArray[np.float32]:
+    vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    return vertices.reshape(-1, 3)
+
+
+def _read(
+    mesh: Any, vertices: NDArray[np.float32], slots: int, brushed: bool, own_copy: bool = False
+) -> Triangles | None:
+    mesh.calc_loop_triangles()
+    count = len(mesh.loop_triangles)
+    if count == 0:
+        return None
+    corners = np.empty(count * 3, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    triangles = corners.reshape(-1, 3)
+    material = None
+    if slots > 1:
+        material = np.empty(count, dtype=np.int32)
+        mesh.loop_triangles.foreach_get("material_index", material)
+        # A face may name a slot that the object lacks: Blender then shows the last one.
+        material = np.clip(material, 0, slots - 1)
+        material = material if material.any() else None
+    tangents = radial_tangents(vertices)[triangles] if brushed else None
+    return Triangles(vertices, triangles, compat.normals(mesh, own_copy), material, tangents)
+
+
+def radial_tangents(vertices: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Cycles' tangent where nothing else is said: around the object's Z axis, through the middle of its bounding box."""
+    middle = 0.5 * (vertices.min(0) + vertices.max(0))
+    size = np.maximum(vertices.max(0) - vertices.min(0), 1e-12)
+    place = (vertices - middle) / size
+    tangents: NDArray[np.float32] = np.zeros((len(place), 3), dtype=np.float32)
+    tangents[:, 0], tangents[:, 1] = -place[:, 1], place[:, 0]
+    return tangents

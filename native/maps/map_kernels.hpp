@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The inner loops of light maps and light volumes, and the plain views that they read.
+#pragma once
+
+#include "lights/light_view.hpp"
+#include "maps/map_view.hpp"
+#include "media/medium_view.hpp"
+#include "text/dispatch.hpp"
+
+#include <span>
+
+namespace sfumato {
+
+// Projects one row of texels, slice by slice.
+struct ProjectRow {
+    GridView density;
+    ClearanceView clearance;
+    LightMapView map;          // coefficients and depths are not read
+    Affine light_to_grid;      // from [0, 1]^3, or from the frame with the light at the origin
+    float slice_length = 0.0F; // metres
+    float extinction = 0.0F;   // of the strongest colour: what can be seen decides what range a ray needs
+    int slices = 0;
+    int y = 0;
+    float *coefficients = nullptr; // of this row
+    float *scratch = nullptr;      // MAX_LANES + 1 floats a slice, aligned for lanes
+};
+
+// Fills one slice z of one light's volume.
+struct LightSlice {
+    const LightView *light = nullptr;
+    std::span<const MediumView> media;
+    int own = 0; // which of the media is being lit
+    bool grey = true;
+    Affine grid_to_world;
+    float *volume = nullptr;
+    int z = 0;
+};
+
+struct MapKernels {
+    void (*project_row)(const ProjectRow &);
+    void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
+    void (*light_slice)(const LightSlice &);
+};
+
+const MapKernels &map_kernels(const InstructionSet &with = instruction_set());
+
+} // namespace sfumato

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Smoke as the kernels read it. Views own nothing. All grids are cropped and have a border of empty cells (see
+// medium.hpp), so that clamping a coordinate to the outermost cell centres reads zero, as outside.
+#pragma once
+
+#include "scene/affine.hpp"
+
+#include <cstddef>
+#include <span>
+
+namespace sfumato {
+
+constexpr std::size_t MAX_MEDIA = 5; // in one frame: what the viewport has textures for
+
+// A grid of `channels` interleaved floats a cell, x running fastest.
+struct GridView {
+    const float *values = nullptr;
+    int channels = 1;
+    int nx = 0, ny = 0, nz = 0;
+};
+
+// For each brick of BRICK^3 cells: negative where smoke may be met, else the number of cells, along the axis in which
+// a ray moves fastest, that it may cross from anywhere in the brick without meeting any.
+constexpr int BRICK = 4;
+struct ClearanceView {
+    const float *cells = nullptr;
+    int nx = 0, ny = 0, nz = 0;
+};
+
+// A body of smoke. Each light has a volume, of the grid's cells and of `light_channels` numbers a cell: the optical
+// depth towards the light in each colour (in the only one, where all smoke is grey), and the share of the light's
+// falloff() that gets past solids, and past the edges of its cone.
+struct MediumView {
+    GridView density;
+    std::span<const float *const> light; // of each light
+    int light_channels = 1;
+    ClearanceView clearance;
+    Affine world_to_grid;
+    float extinction[3] = {0.0F, 0.0F, 0.0F}; // per metre and unit density
+    float scattering[3] = {0.0F, 0.0F, 0.0F};
+    float anisotropy = 0.0F;
+    float step_length = 1.0F; // cells
+};
+
+} // namespace sfumato
