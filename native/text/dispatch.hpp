@@ -11,10 +11,9 @@ namespace sfumato {
 
 constexpr int MAX_LANES = 16; // of any instruction set
 
-enum class Isa : std::uint8_t { BASELINE, AVX2, AVX512 };
-
 struct InstructionSet {
-    Isa isa = Isa::BASELINE;
+    enum class Kind : std::uint8_t { BASELINE, AVX2, AVX512 };
+    Kind kind = Kind::BASELINE;
     const char *name = nullptr;
     int lanes = 0;
 };
@@ -40,7 +39,9 @@ const InstructionSet &instruction_set();
     extern const TABLE NAME;                                                                                           \
     }                                                                                                                  \
     const TABLE &NAME(const InstructionSet &with) {                                                                    \
-        return with.isa == Isa::AVX512 ? avx512::NAME : with.isa == Isa::AVX2 ? avx2::NAME : baseline::NAME;           \
+        return with.kind == InstructionSet::Kind::AVX512 ? avx512::NAME                                                \
+               : with.kind == InstructionSet::Kind::AVX2 ? avx2::NAME                                                  \
+                                                         : baseline::NAME;                                             \
     }
 #else
 #define SFUMATO_DISPATCH(TABLE, NAME)                                                                                  \
