@@ -7,12 +7,6 @@
 #include <cstddef>
 
 namespace sfumato {
-namespace {
-
-using MediaText = text::MediaText<float>;
-
-} // namespace
-
 void add_to_series(std::span<const float> depth, std::span<const float> tau, float width,
                    std::span<float> coefficients) {
     project({FOURIER, coefficients.size(), {}}, {depth, tau, width}, {}, coefficients);
@@ -24,7 +18,7 @@ void series_transmittance(std::span<const float> coefficients, std::span<const f
 
 void henyey_greenstein(std::span<const float> cos_theta, float anisotropy, std::span<float> out) {
     for (std::size_t i = 0; i < cos_theta.size(); ++i) {
-        out[i] = MediaText().henyey_greenstein(cos_theta[i], anisotropy);
+        out[i] = text::MediaText<float>().henyey_greenstein(cos_theta[i], anisotropy);
     }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The instruction sets for which the *_lanes.cpp are compiled, and the choice among them at run time. A room gathers
 // its kernels in a table of function pointers: *_lanes.cpp define one for each set, in the namespace of the set, and a
-// source file of the room chooses among them with SFUMATO_DISPATCH.
+// source file of the room chooses among them with SFUMATO_DISPATCH. The names of the tables end in _kernels: CMake
+// hides all else of what is compiled for a set.
 #pragma once
 
 #include <cstdint>
