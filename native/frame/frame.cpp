@@ -3,7 +3,7 @@
 
 #include "frame/film.hpp"
 #include "scene/scene.hpp"
-#include "text/glsl.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,8 @@
 
 namespace sfumato {
 namespace {
+
+using RaysText = text::RaysText<float>;
 
 constexpr int TILE = 4; // the sampling pattern repeats every TILE x TILE pixels; TILE^2 = FILM_TURNS
 
@@ -341,7 +343,7 @@ void Frame::transmittance(std::size_t light, std::span<const float> points, std:
             }
         }
         for (std::size_t i = 0; i < depth.size(); ++i) {
-            sum[i] += glsl::transmittance_of(depth[i]);
+            sum[i] += RaysText().transmittance_of(depth[i]);
         }
     }
     for (std::size_t i = 0; i < sum.size(); ++i) {

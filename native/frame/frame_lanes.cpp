@@ -2,12 +2,15 @@
 // One packet of camera rays: the smoke before the first surface, and the two together.
 #include "frame/surfaces_lanes.hpp"
 #include "frame/trace.hpp"
+#include "text/media_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
+
+using MediaText = text::MediaText<Real, Isa>;
 
 struct Smoke {
     Real transmittance[3];
@@ -17,7 +20,7 @@ struct Smoke {
 // A ray in the grid of one medium.
 struct Crossing {
     vec3 origin, direction;
-    Interval inside;
+    CameraText::Interval inside;
 };
 
 Crossing crossing_of(const MediumView &medium, const Ray &ray, Real distance) {
@@ -26,7 +29,7 @@ Crossing crossing_of(const MediumView &medium, const Ray &ray, Real distance) {
     crossing.direction = transform_vector(medium.world_to_grid, ray.direction);
     const vec3 size{Real(static_cast<float>(medium.density.nx)), Real(static_cast<float>(medium.density.ny)),
                     Real(static_cast<float>(medium.density.nz))};
-    crossing.inside = clip_to_box({Real(0.0F), distance}, crossing.origin, crossing.direction, size);
+    crossing.inside = CameraText().clip_to_box({Real(0.0F), distance}, crossing.origin, crossing.direction, size);
     return crossing;
 }
 
@@ -50,10 +53,10 @@ void scatter(const FrameView &frame, const MediumView &medium, const Cell &cell,
             incoming = incoming * falloff_of(light, from_light);
             cosine = dot(from_light, ray.direction) / sqrt(max(dot(from_light, from_light), 1e-20F));
         }
-        incoming = incoming * henyey_greenstein(-cosine, medium.anisotropy);
+        incoming = incoming * MediaText().henyey_greenstein(-cosine, medium.anisotropy);
         for (int c = 0; c < Colours; ++c) {
-            const Real sent =
-                incoming * scattered_by_step(scattering[c], tau[c], tau_eye[c], sample(volume, light_cell, c));
+            const Real sent = incoming * MediaText().scattered_by_step(scattering[c], tau[c], tau_eye[c],
+                                                                       sample(volume, light_cell, c));
             if (Colours == 3) {
                 smoke.radiance[c] = smoke.radiance[c] + sent * light.strength[c];
                 continue;
@@ -86,7 +89,7 @@ Smoke march(const FrameView &frame, const Ray &ray, Real distance, Mask active) 
         d = 0.0F;
     }
     if (xsimd::any(stretch > 0.0F)) {
-        const Real steps = pick(stretch > 0.0F, march_steps(stretch, step_length), 0.0F);
+        const Real steps = pick(stretch > 0.0F, MediaText().march_steps(stretch, step_length), 0.0F);
         const Real step = stretch / max(steps, 1.0F);
         const Real per_step = 1.0F / max(step, 1e-30F);
         const float most = highest(steps);
@@ -146,7 +149,7 @@ Smoke march(const FrameView &frame, const Ray &ray, Real distance, Mask active) 
         }
     }
     for (int c = 0; c < 3; ++c) {
-        smoke.transmittance[c] = transmittance_of(depth[Colours == 1 ? 0 : c]);
+        smoke.transmittance[c] = RaysText().transmittance_of(depth[Colours == 1 ? 0 : c]);
     }
     return smoke;
 }

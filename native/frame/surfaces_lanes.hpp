@@ -7,7 +7,10 @@
 #include "lights/shading.hpp"
 #include "maps/sampling.hpp"
 #include "solids/embree.hpp"
+#include "text/camera_text.hpp"
 #include "text/lanes.hpp"
+#include "text/rays_text.hpp"
+#include "text/surfaces_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +19,10 @@
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
+
+using CameraText = text::CameraText<Real, Isa>;
+using SurfacesText = text::SurfacesText<Real, Isa>;
+using Ray = CameraText::Ray;
 
 struct Surface {
     Mask hit;
@@ -238,7 +245,7 @@ void smoke_transmittance(const FrameView &frame, const LightView &light, const v
             }
         }
         for (int c = 0; c < colours; ++c) {
-            sum[c] = sum[c] + transmittance_of(depth[c]);
+            sum[c] = sum[c] + RaysText().transmittance_of(depth[c]);
         }
     }
     for (int c = 0; c < 3; ++c) {
@@ -283,8 +290,8 @@ Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3
 
 Ray ray_through(const FrameView &frame, Real u, Real v) {
     const auto &c = frame.camera;
-    return camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
-                      broadcast(c[5]), u, v);
+    return CameraText().camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
+                                   broadcast(c[5]), u, v);
 }
 
 // Where another ray meets the plane of a surface; where that is far away, as it is on one seen edge-on, `start`, a
@@ -342,8 +349,8 @@ Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, c
     }
     const vec3 towards =
         light.kind == LightKind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
-    return diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction), -dot(direction, towards),
-                       surface.diffuse_roughness);
+    return SurfacesText().diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction),
+                                      -dot(direction, towards), surface.diffuse_roughness);
 }
 
 Reflected reflected(const FrameView &frame, Output output, const Packet &packet, const Ray &ray,

@@ -1,64 +1,53 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lights/area_light.hpp"
 
+#include "lights/area_light_loops.hpp"
 #include "lights/light_kernels.hpp"
-#include "text/glsl_double.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <type_traits>
 #include <vector>
 
+#include <glm/geometric.hpp>
+
 namespace sfumato {
-namespace glsl_double {
 namespace {
 
-inline double load(const double *lanes) {
-    return *lanes;
-}
-inline void store(double x, double *lanes) {
-    *lanes = x;
-}
-inline bool any(bool lane) {
-    return lane;
-}
-
-using Scalar = double;
-#include "lights/area_light_loops.inc"
+using Loops = AreaLightLoops<double, text::OneLane, double>;
 
 } // namespace
-} // namespace glsl_double
 
 void integrate(const LightBatch<float> &batch) {
     light_kernels().integrate_lights(batch);
 }
 
 void integrate(const LightBatch<double> &batch) {
-    glsl_double::integrate_batch(batch);
+    Loops().integrate_batch(batch);
 }
 
 double double_moment(std::span<const glm::dvec3> polygon, const glm::dvec3 &axis, int exponent, const glm::dvec3 &b) {
-    using namespace glsl_double;
-    const glm::dvec3 r = unit_or_zero(axis);
-    Polygon corners;
+    Loops loops;
+    const glm::dvec3 r = loops.unit_or_zero(axis);
+    Loops::Polygon corners;
     corners.count = polygon.size();
     std::copy(polygon.begin(), polygon.end(), std::begin(corners.vertices));
     const double n = exponent;
     const double moment =
-        exponent == 0 ? 0.0 : along_boundary(corners, r, nullptr, [&](const Edge &edge, double from, double to) {
-            return arvo_along(unit_arc_of(edge, r, from, to), exponent - 1);
-        });
-    double sum = dot(r, b) * moment;
-    Gap behind = no_gap();
+        exponent == 0 ? 0.0
+                      : loops.along_boundary(corners, r, nullptr, [&](const Loops::Edge &edge, double from, double to) {
+                            return loops.arvo_along(loops.unit_arc_of(edge, r, from, to), exponent - 1);
+                        });
+    double sum = loops.dot(r, b) * moment;
+    Loops::Gap behind = loops.no_gap();
     for (std::size_t i = 0; i < corners.count; ++i) {
-        const Edge edge = edge_between(corners.vertices[i], corners.vertices[i + 1 < corners.count ? i + 1 : 0]);
-        const double from = dot(edge.from, r), to = dot(edge.to, r);
-        sum += dot(edge.normal, b) * moment_along(unit_arc_of(edge, r, from, to), exponent);
-        behind = gap_after(behind, edge, from, to);
+        const Loops::Edge edge =
+            loops.edge_between(corners.vertices[i], corners.vertices[i + 1 < corners.count ? i + 1 : 0]);
+        const double from = loops.dot(edge.from, r), to = loops.dot(edge.to, r);
+        sum += loops.dot(edge.normal, b) * loops.moment_along(loops.unit_arc_of(edge, r, from, to), exponent);
+        behind = loops.gap_after(behind, edge, from, to);
     }
     if (exponent == 0) {
-        sum += dot(r, b) * gap_angle(behind, r);
+        sum += loops.dot(r, b) * loops.gap_angle(behind, r);
     }
     return -sum / (n + 2.0);
 }

@@ -1,37 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Integrals over area lights, as many lights at a time as there are lanes.
+#include "lights/area_light_loops.hpp"
 #include "lights/light_kernels.hpp"
 #include "text/lanes.hpp"
 
-#include <algorithm>
-#include <cstddef>
-#include <numbers>
-#include <type_traits>
-
 namespace sfumato::SFUMATO_ISA {
 
-void reflect_lights(const MicrofacetBatch<float> &batch); // microfacet_lanes.cpp
-
-namespace {
-
-inline Real load(const float *lanes) {
-    return Real::load_aligned(lanes);
-}
-inline void store(Real x, float *lanes) {
-    x.store_aligned(lanes);
-}
-inline bool any(Mask mask) {
-    return xsimd::any(mask);
-}
-
-using Scalar = float;
-#include "lights/area_light_loops.inc"
-
-} // namespace
-
 void integrate_lights(const LightBatch<float> &batch) {
-    integrate_batch(batch);
+    AreaLightLoops<Real, Isa, float>().integrate_batch(batch);
 }
+
+void reflect_lights(const MicrofacetBatch<float> &batch); // microfacet_lanes.cpp
 
 extern const LightKernels light_kernels{integrate_lights, reflect_lights};
 

@@ -4,6 +4,7 @@
 
 #include "lights/light_view.hpp"
 #include "text/lanes.hpp"
+#include "text/lights_text.hpp"
 
 #include <algorithm>
 
@@ -12,6 +13,8 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
+using LightsText = text::LightsText<Real, Isa>;
+
 inline vec3 normalised(const vec3 &v) {
     return v * (1.0F / sqrt(dot(v, v)));
 }
@@ -19,12 +22,12 @@ inline vec3 normalised(const vec3 &v) {
 // What the smoke takes for the light at a point: it falls off from the light's middle, and all else that happens to it
 // is in the light volume.
 inline Real falloff_of(const LightView &light, const vec3 &from_light) {
-    return light.kind == LightKind::SUN ? Real(1.0F) : falloff(dot(from_light, from_light), light.size2);
+    return light.kind == LightKind::SUN ? Real(1.0F) : LightsText().falloff(dot(from_light, from_light), light.size2);
 }
 
 // In a direction whose cosine to the spot's axis is given.
 inline Real spot_share_along(const LightView &light, Real cosine) {
-    const Real fade = spot_fade(cosine, light.cone_cosine, light.blend);
+    const Real fade = LightsText().spot_fade(cosine, light.cone_cosine, light.blend);
     return light.spot_cosine ? fade * cosine : fade;
 }
 
@@ -42,8 +45,9 @@ constexpr float LOWEST_SUN = 0.02F;
 
 // What a part of an area light sends in a direction whose cosine to the light's is given, of its radiance by its area.
 inline Real sent_along(const LightView &light, Real cosine) {
-    return light.kind == LightKind::POLYGON ? abs(cosine)
-                                            : max(cosine, 0.0F) * spread_fade(cosine, light.spread_cotangent);
+    return light.kind == LightKind::POLYGON
+               ? abs(cosine)
+               : max(cosine, 0.0F) * LightsText().spread_fade(cosine, light.spread_cotangent);
 }
 
 // What one of the light's samples brings to a point, as a share of falloff_of().
@@ -98,11 +102,12 @@ inline Towards towards_place(const LightView &light, const vec3 &point, const ve
 inline Towards sample_towards(const LightView &light, const vec3 &point, Real u, Real v) {
     if (light.kind == LightKind::POLYGON) {
         const glm::vec3 *const c = light.corners;
-        return towards_place(light, point,
-                             point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v));
+        return towards_place(
+            light, point,
+            LightsText().point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v));
     }
     const Real a = 2.0F * u - 1.0F, b = 2.0F * v - 1.0F;
-    const DiskPoint disk = point_on_disk(a, b);
+    const LightsText::DiskPoint disk = LightsText().point_on_disk(a, b);
     const Real x = disk.x, y = disk.y;
     if (light.kind == LightKind::SUN) {
         const vec3 aside = broadcast(light.across) * x + broadcast(light.up) * y;

@@ -2,27 +2,9 @@
 #include "lights/microfacet.hpp"
 
 #include "lights/light_kernels.hpp"
-#include "text/glsl_double.hpp"
-
-#include <algorithm>
-#include <type_traits>
+#include "lights/microfacet_loops.hpp"
 
 namespace sfumato {
-namespace glsl_double {
-namespace {
-
-inline double load(const double *lanes) {
-    return *lanes;
-}
-inline void store(double x, double *lanes) {
-    *lanes = x;
-}
-
-#include "lights/microfacet_loops.inc"
-
-} // namespace
-} // namespace glsl_double
-
 namespace {
 
 template <typename Number>
@@ -49,7 +31,7 @@ void reflect(const MicrofacetBatch<float> &batch) {
 }
 
 void reflect(const MicrofacetBatch<double> &batch) {
-    glsl_double::reflect_batch(batch);
+    MicrofacetLoops<double, text::OneLane, double>().reflect_batch(batch);
 }
 
 } // namespace sfumato

@@ -4,10 +4,17 @@
 // four times as slow.
 #include "lights/lights_lanes.hpp"
 #include "lights/shading.hpp"
+#include "text/integrals_text.hpp"
 #include "text/lanes.hpp"
+#include "text/microfacets_text.hpp"
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
+
+using IntegralsText = text::IntegralsText<Real, Isa>;
+using MicrofacetsText = text::MicrofacetsText<Real, Isa>;
+using Microfacets = MicrofacetsText::Microfacets;
+using Reflection = MicrofacetsText::Reflection;
 
 // For a light of strength 1: what a white diffuse surface sends to the eye, and what its gloss does.
 struct Shading {
@@ -33,7 +40,7 @@ struct Receiver {
           index(Real::load_aligned(p.index)), glossy(p.glossy) {}
 
     [[nodiscard]] Microfacets facets() const {
-        Microfacets m = microfacets(BRDF_GGX, view, alpha_x, alpha_y);
+        Microfacets m = MicrofacetsText().microfacets(BRDF_GGX, view, alpha_x, alpha_y);
         m.apart = apart;
         m.index = index;
         return m;
@@ -51,28 +58,28 @@ Shading from_direction(const Receiver &r, const vec3 &towards) {
     if (!r.glossy) {
         return {diffuse, {0.0F, 0.0F}};
     }
-    return {diffuse, microfacet_reflection(r.facets(), r.local(towards))};
+    return {diffuse, MicrofacetsText().microfacet_reflection(r.facets(), r.local(towards))};
 }
 
 // The closed forms hand structures on to each other: inlined into one function they stay in registers, 1.6 times as
 // fast.
 [[gnu::flatten]] Reflection gloss_of_sphere(const Receiver &r, const vec3 &middle, Real radius) {
-    return microfacet_sphere(r.facets(), r.local(middle), radius);
+    return MicrofacetsText().microfacet_sphere(r.facets(), r.local(middle), radius);
 }
 
 [[gnu::flatten]] Reflection gloss_of_quad(const Receiver &r, const vec3 &a, const vec3 &b, const vec3 &c,
                                           const vec3 &d) {
-    return microfacet_quad(r.facets(), r.local(a), r.local(b), r.local(c), r.local(d));
+    return MicrofacetsText().microfacet_quad(r.facets(), r.local(a), r.local(b), r.local(c), r.local(d));
 }
 
 [[gnu::flatten]] Reflection gloss_of_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across,
                                              const vec3 &up) {
-    return microfacet_ellipse(r.facets(), r.local(middle), r.local(across), r.local(up));
+    return MicrofacetsText().microfacet_ellipse(r.facets(), r.local(middle), r.local(across), r.local(up));
 }
 
 // A sphere of radiance 1.
 Shading from_sphere(const Receiver &r, const vec3 &middle, Real radius) {
-    Shading out{diffuse_sphere(r.normal, middle, radius), {0.0F, 0.0F}};
+    Shading out{IntegralsText().diffuse_sphere(r.normal, middle, radius), {0.0F, 0.0F}};
     if (r.glossy) {
         out.gloss = gloss_of_sphere(r, middle, radius);
     }
@@ -80,7 +87,7 @@ Shading from_sphere(const Receiver &r, const vec3 &middle, Real radius) {
 }
 
 Shading from_quad(const Receiver &r, const vec3 &a, const vec3 &b, const vec3 &c, const vec3 &d) {
-    Shading out{diffuse_quad(r.normal, a, b, c, d), {0.0F, 0.0F}};
+    Shading out{IntegralsText().diffuse_quad(r.normal, a, b, c, d), {0.0F, 0.0F}};
     if (r.glossy) {
         out.gloss = gloss_of_quad(r, a, b, c, d);
     }
@@ -92,7 +99,7 @@ Shading from_rectangle(const Receiver &r, const vec3 &middle, const vec3 &across
 }
 
 Shading from_ellipse(const Receiver &r, const vec3 &middle, const vec3 &across, const vec3 &up) {
-    Shading out{diffuse_ellipse(r.normal, middle, across, up), {0.0F, 0.0F}};
+    Shading out{IntegralsText().diffuse_ellipse(r.normal, middle, across, up), {0.0F, 0.0F}};
     if (r.glossy) {
         out.gloss = gloss_of_ellipse(r, middle, across, up);
     }
@@ -188,8 +195,9 @@ Shading dimmed(const Receiver &r, const Plate &plate, const Shading &whole, cons
         return {whole.diffuse * diffuse, whole.gloss};
     }
     const Microfacets m = r.facets();
-    const Real gloss = mean_fade(plate, seen_by_gloss(r, plate), fade,
-                                 [&](const vec3 &towards) { return microfacet_reflection(m, towards).plain; });
+    const Real gloss = mean_fade(plate, seen_by_gloss(r, plate), fade, [&](const vec3 &towards) {
+        return MicrofacetsText().microfacet_reflection(m, towards).plain;
+    });
     return {whole.diffuse * diffuse, {whole.gloss.plain * gloss, whole.gloss.fresnel * gloss}};
 }
 
@@ -228,7 +236,7 @@ Shading shading_of(const Receiver &r, const LightView &light) {
                                                        : from_ellipse(r, middle, across, up);
     if (light.spread_cotangent > 0.0F) {
         whole = dimmed(r, plate_of(r, light, middle), whole, [&light](const vec3 & /*towards*/, Real cosine) {
-            return spread_fade(cosine, light.spread_cotangent);
+            return LightsText().spread_fade(cosine, light.spread_cotangent);
         });
     }
     return scaled(whole, pick(dot(middle, broadcast(light.direction)) < 0.0F, 1.0F, 0.0F));
@@ -245,7 +253,9 @@ void shade(const LightView &light, ShadingPacket &packet) {
 
 void weigh_gloss(ShadingPacket &packet) {
     const Receiver r(packet);
-    microfacet_reflection(r.facets(), r.local(Receiver::load(packet.towards))).plain.store_aligned(packet.plain);
+    MicrofacetsText()
+        .microfacet_reflection(r.facets(), r.local(Receiver::load(packet.towards)))
+        .plain.store_aligned(packet.plain);
 }
 
 } // namespace sfumato::SFUMATO_ISA

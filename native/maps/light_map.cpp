@@ -3,7 +3,7 @@
 
 #include "maps/map_kernels.hpp"
 #include "scene/affine.hpp"
-#include "text/glsl.hpp"
+#include "text/lights_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,6 +19,8 @@
 namespace sfumato {
 namespace {
 
+using LightsText = text::LightsText<float>;
+
 constexpr int MOST_SLICES = 32768;
 
 // The ray of a texel in the world: from depth 0 of the map, one depth long.
@@ -32,7 +34,8 @@ TexelRay texel_ray(const LightMap &map, const glm::dmat4 &light_to_world, int x,
         return {glm::dvec3(light_to_world * glm::dvec4(place, 0.0, 1.0)), glm::dvec3(light_to_world[2])};
     }
     const glm::dvec2 square = glm::dvec2(map.low) + place * glm::dvec2(map.high - map.low);
-    const glm::vec3 local = glsl::octahedral_direction({static_cast<float>(square.x), static_cast<float>(square.y)});
+    const glm::vec3 local =
+        LightsText().octahedral_direction({static_cast<float>(square.x), static_cast<float>(square.y)});
     const glm::dvec3 direction = glm::dmat3(light_to_world) * glm::dvec3(local);
     return {glm::dvec3(light_to_world[3]) + map.low.z * direction, (map.high.z - map.low.z) * direction};
 }
@@ -219,7 +222,7 @@ LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position
             for (std::size_t bit = 1; bit < 8; bit *= 2) {
                 for (int i = 0; (a & bit) == 0 && i <= POINTS; ++i) {
                     const glm::dvec3 p = glm::mix(corners[a], corners[a | bit], double(i) / POINTS);
-                    const glsl::Octahedral place = glsl::octahedral(glm::vec3(p));
+                    const LightsText::Octahedral place = LightsText().octahedral(glm::vec3(p));
                     low = glm::min(low, glm::dvec2(place.x, place.y));
                     high = glm::max(high, glm::dvec2(place.x, place.y));
                 }

@@ -2,7 +2,10 @@
 // Building a light map from a density grid, and looking it up, many texels or cells at a time.
 #include "maps/map_kernels.hpp"
 #include "maps/sampling.hpp"
+#include "text/camera_text.hpp"
 #include "text/lanes.hpp"
+#include "text/lights_text.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -12,6 +15,8 @@ namespace sfumato::SFUMATO_ISA {
 void light_slice(const LightSlice &slice); // light_slice_lanes.cpp
 
 namespace {
+
+using CameraText = text::CameraText<Real, Isa>;
 
 // The light ray of a texel in grid space: the middle of the first slice, and from there one slice on.
 struct Path {
@@ -27,10 +32,10 @@ Path path_of(const ProjectRow &row, const Real &column) {
         return {transform_point(row.light_to_grid, {x, y, 0.5F * slice}),
                 transform_vector(row.light_to_grid, {Real(0.0F), Real(0.0F), slice})};
     }
-    Octahedral place;
+    LightsText::Octahedral place;
     place.x = map.low[0] + x * (1.0F / map.scale[0]);
     place.y = map.low[1] + y * (1.0F / map.scale[1]);
-    const vec3 direction = octahedral_direction(place);
+    const vec3 direction = LightsText().octahedral_direction(place);
     const Real depth = slice * (1.0F / map.scale[2]);
     return {transform_point(row.light_to_grid, direction * (map.low[2] + 0.5F * depth)),
             transform_vector(row.light_to_grid, direction * depth)};
@@ -54,7 +59,8 @@ Samples march_light(const ProjectRow &row, const Path &path) {
     const vec3 size{Real(static_cast<float>(row.density.nx)), Real(static_cast<float>(row.density.ny)),
                     Real(static_cast<float>(row.density.nz))};
     const auto slices = static_cast<float>(row.slices);
-    const Interval inside = clip_to_box({Real(0.0F), Real(slices)}, path.start, path.step, size);
+    const CameraText::Interval inside =
+        CameraText().clip_to_box({Real(0.0F), Real(slices)}, path.start, path.step, size);
     const int first = static_cast<int>(std::min(slices, lowest(inside.near_t)));
     const int last = static_cast<int>(std::clamp(highest(inside.far_t) + 1.0F, 0.0F, slices));
     for (int s = first; s < last;) {
@@ -74,10 +80,10 @@ Samples march_light(const ProjectRow &row, const Path &path) {
 
 // The range of depths that a ray's series spans: that of its smoke, less what cannot be seen at either end. `slice` is
 // the depth of one slice, `total` the sum of the densities.
-DepthRange seen_range(const ProjectRow &row, const Samples &samples, Real total, float slice) {
+RaysText::DepthRange seen_range(const ProjectRow &row, const Samples &samples, Real total, float slice) {
     const float to_depth = row.slice_length * row.extinction; // optical depth of a unit of density
-    const Real before = trimmed_before(total * to_depth) * (1.0F / to_depth);
-    const Real behind = trimmed_behind(total);
+    const Real before = RaysText().trimmed_before(total * to_depth) * (1.0F / to_depth);
+    const Real behind = RaysText().trimmed_behind(total);
     Real passed = 0.0F, front = 1.0F, back = 0.0F;
     for (int i = 0; i < samples.count; ++i) {
         const Real depth = slice * samples.slices[i];
@@ -89,7 +95,7 @@ DepthRange seen_range(const ProjectRow &row, const Samples &samples, Real total,
     // cosines' mirror image takes its step away.
     // A ray that only grazes smoke has no range that counts.
     const Mask smoky = total * to_depth > 1e-7F;
-    DepthRange range = padded_range(pick(smoky, front, 0.0F), pick(smoky, max(front, back), 1.0F));
+    RaysText::DepthRange range = RaysText().padded_range(pick(smoky, front, 0.0F), pick(smoky, max(front, back), 1.0F));
     range.low = max(range.low, 0.0F);
     range.high = max(min(range.high, 1.0F), range.low + 1e-4F);
     return range;
@@ -107,7 +113,7 @@ void project_row(const ProjectRow &row) {
         for (int i = 0; i < samples.count; ++i) {
             total = total + samples.density(i);
         }
-        const DepthRange range = seen_range(row, samples, total, slice);
+        const RaysText::DepthRange range = seen_range(row, samples, total, slice);
         const Real per_depth = 1.0F / (range.high - range.low);
         Real sums[MAX_COUNT];
         for (int k = 1; k < count; ++k) {
@@ -115,7 +121,7 @@ void project_row(const ProjectRow &row) {
         }
         for (int i = 0; i < samples.count; ++i) {
             const Real density = samples.density(i);
-            const Real d = relative_depth(range, slice * (samples.slices[i] + 0.5F));
+            const Real d = RaysText().relative_depth(range, slice * (samples.slices[i] + 0.5F));
             // cos((k + 1) x) = 2 cos(x) cos(k x) - cos((k - 1) x)
             const Real cosine = cos(0.5F * TWO_PI * d), twice = cosine + cosine;
             Real last = 1.0F, harmonic_k = cosine;
@@ -138,7 +144,7 @@ void project_row(const ProjectRow &row) {
         store(per_depth, 2);
         for (int k = 1; k < count; ++k) {
             const auto number = static_cast<float>(k);
-            const Real thickness = slab_factor(0.5F * number, slice * per_depth);
+            const Real thickness = RaysText().slab_factor(0.5F * number, slice * per_depth);
             store(sums[k] * thickness * (2.0F * row.slice_length / (0.5F * 6.28318530717958648F * number)),
                   HEAD_FLOATS + k - 1);
         }

@@ -4,6 +4,7 @@
 #include "maps/map_kernels.hpp"
 #include "maps/sampling.hpp"
 #include "text/lanes.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -70,7 +71,7 @@ Arriving arriving(const LightSlice &slice, const vec3 &world) {
         for (int c = 0; c < colours; ++c) {
             out.optical_depth[c] = depth[c];
             if (light.samples.size() > 1) {
-                const Real left = transmittance_of(depth[c]);
+                const Real left = RaysText().transmittance_of(depth[c]);
                 past_smoke[c] = past_smoke[c] + visible * left;
                 unblocked[c] = unblocked[c] + weight * left;
             }

@@ -3,7 +3,7 @@
 
 #include "maps/map_kernels.hpp"
 #include "scene/scene.hpp"
-#include "text/glsl.hpp"
+#include "text/lights_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,8 @@
 
 namespace sfumato {
 namespace {
+
+using LightsText = text::LightsText<float>;
 
 // A sphere around a medium.
 struct Ball {
@@ -142,7 +144,8 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Cro
     const glm::dvec3 position(light.position), towards(-glm::dvec3(light.direction));
     for (int i = 0; i < count; ++i) {
         const glm::dvec2 square = on_square(i, count);
-        const glsl::DiskPoint on_disk = glsl::point_on_disk(static_cast<float>(square.x), static_cast<float>(square.y));
+        const LightsText::DiskPoint on_disk =
+            LightsText().point_on_disk(static_cast<float>(square.x), static_cast<float>(square.y));
         const glm::dvec2 disk(on_disk.x, on_disk.y);
         const glm::dvec3 across(light.across), up(light.up);
         switch (light.kind) {
@@ -166,7 +169,7 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Cro
         case Light::Kind::POLYGON: {
             const glm::vec2 unit(0.5 * square + 0.5);
             const glm::vec3 *const c = light.corners;
-            samples.push_back(glsl::point_on_quad(c[0], c[1], c[2], c[3], unit.x, unit.y));
+            samples.push_back(LightsText().point_on_quad(c[0], c[1], c[2], c[3], unit.x, unit.y));
             break;
         }
         }

@@ -6,9 +6,14 @@
 #include "maps/map_view.hpp"
 #include "media/medium_view.hpp"
 #include "text/lanes.hpp"
+#include "text/lights_text.hpp"
+#include "text/rays_text.hpp"
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
+
+using LightsText = text::LightsText<Real, Isa>;
+using RaysText = text::RaysText<Real, Isa>;
 
 // A position between eight cell centres.
 struct Cell {
@@ -84,7 +89,7 @@ inline vec3 place_on(const LightMapView &map, const vec3 &world) {
     if (!map.radial) {
         return p;
     }
-    const Octahedral place = octahedral(p);
+    const LightsText::Octahedral place = LightsText().octahedral(p);
     return {(place.x - map.low[0]) * map.scale[0], (place.y - map.low[1]) * map.scale[1],
             (sqrt(dot(p, p)) - map.low[2]) * map.scale[2]};
 }
@@ -113,7 +118,8 @@ inline Real column_density(const LightMapView &map, const Texels &texels, Real z
         const Real cosine = cos(0.5F * TWO_PI * d[t]), twice = cosine + cosine;
         Real sum = 0.0F, after = 0.0F;
         for (int k = map.count - 1; k >= 1; --k) {
-            const Real next = clenshaw(gather(map.coefficients + HEAD_FLOATS + k - 1, first[t]), twice, sum, after);
+            const Real next =
+                RaysText().clenshaw(gather(map.coefficients + HEAD_FLOATS + k - 1, first[t]), twice, sum, after);
             after = sum;
             sum = next;
         }

@@ -2,7 +2,7 @@
 #include "rays/basis.hpp"
 
 #include "rays/ray_kernels.hpp"
-#include "text/glsl.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,70 +12,72 @@
 namespace sfumato {
 namespace {
 
+using RaysText = text::RaysText<float>;
+
 float number(std::size_t k) {
     return static_cast<float>(k);
 }
 
 void fourier_density(float z, float width, std::span<float> f, const Tables & /*unused*/) {
-    const glsl::Harmonic first = glsl::harmonic(1.0F, z);
-    glsl::Harmonic h = first;
+    const RaysText::Harmonic first = RaysText().harmonic(1.0F, z);
+    RaysText::Harmonic h = first;
     f[0] = 2.0F;
     for (std::size_t k = 1; 2 * k < f.size(); ++k) {
-        const float thickness = glsl::slab_factor(number(k), width);
-        f[2 * k - 1] = glsl::project_cosine(1.0F, h, thickness);
-        f[2 * k] = glsl::project_sine(1.0F, h, thickness);
-        h = glsl::next_harmonic(h, first);
+        const float thickness = RaysText().slab_factor(number(k), width);
+        f[2 * k - 1] = RaysText().project_cosine(1.0F, h, thickness);
+        f[2 * k] = RaysText().project_sine(1.0F, h, thickness);
+        h = RaysText().next_harmonic(h, first);
     }
 }
 
 void fourier_integral(float d, std::span<float> g, const Tables & /*unused*/) {
-    const glsl::Harmonic first = glsl::harmonic(1.0F, d);
-    glsl::Harmonic h = first;
-    g[0] = glsl::integral_constant(1.0F, d);
+    const RaysText::Harmonic first = RaysText().harmonic(1.0F, d);
+    RaysText::Harmonic h = first;
+    g[0] = RaysText().integral_constant(1.0F, d);
     for (std::size_t k = 1; 2 * k < g.size(); ++k) {
-        g[2 * k - 1] = glsl::integral_harmonic(1.0F, 0.0F, h, number(k));
-        g[2 * k] = glsl::integral_harmonic(0.0F, 1.0F, h, number(k));
-        h = glsl::next_harmonic(h, first);
+        g[2 * k - 1] = RaysText().integral_harmonic(1.0F, 0.0F, h, number(k));
+        g[2 * k] = RaysText().integral_harmonic(0.0F, 1.0F, h, number(k));
+        h = RaysText().next_harmonic(h, first);
     }
 }
 
 void cosine_density(float z, float width, std::span<float> f, const Tables & /*unused*/) {
-    const glsl::Harmonic first = glsl::harmonic(0.5F, z);
-    glsl::Harmonic h = first;
+    const RaysText::Harmonic first = RaysText().harmonic(0.5F, z);
+    RaysText::Harmonic h = first;
     f[0] = 1.0F;
     for (std::size_t k = 1; k < f.size(); ++k) {
-        f[k] = glsl::project_cosine(1.0F, h, glsl::slab_factor(0.5F * number(k), width));
-        h = glsl::next_harmonic(h, first);
+        f[k] = RaysText().project_cosine(1.0F, h, RaysText().slab_factor(0.5F * number(k), width));
+        h = RaysText().next_harmonic(h, first);
     }
 }
 
 void cosine_integral(float d, std::span<float> g, const Tables & /*unused*/) {
-    const glsl::Harmonic first = glsl::harmonic(0.5F, d);
-    glsl::Harmonic h = first;
+    const RaysText::Harmonic first = RaysText().harmonic(0.5F, d);
+    RaysText::Harmonic h = first;
     g[0] = d;
     for (std::size_t k = 1; k < g.size(); ++k) {
-        g[k] = glsl::integral_half_harmonic(1.0F, h, number(k));
-        h = glsl::next_harmonic(h, first);
+        g[k] = RaysText().integral_half_harmonic(1.0F, h, number(k));
+        h = RaysText().next_harmonic(h, first);
     }
 }
 
 void piecewise_density(float z, float width, std::span<float> f, const Tables & /*unused*/) {
     for (std::size_t k = 0; k < f.size(); ++k) {
-        f[k] = glsl::slice_share(number(k), number(f.size()), z - 0.5F * width, z + 0.5F * width);
+        f[k] = RaysText().slice_share(number(k), number(f.size()), z - 0.5F * width, z + 0.5F * width);
     }
 }
 
 void piecewise_integral(float d, std::span<float> g, const Tables & /*unused*/) {
     for (std::size_t k = 0; k < g.size(); ++k) {
-        g[k] = glsl::slice_integral(number(k), number(g.size()), d);
+        g[k] = RaysText().slice_integral(number(k), number(g.size()), d);
     }
 }
 
 // The mean of the table over the slab, cell by cell.
 void learned_density(float z, float width, std::span<float> f, const Tables &tables) {
     const auto cells = number(tables.cells);
-    const auto first = static_cast<std::size_t>(glsl::table_position(z - 0.5F * width, cells).cell);
-    const auto last = static_cast<std::size_t>(glsl::table_position(z + 0.5F * width, cells).cell);
+    const auto first = static_cast<std::size_t>(RaysText().table_position(z - 0.5F * width, cells).cell);
+    const auto last = static_cast<std::size_t>(RaysText().table_position(z + 0.5F * width, cells).cell);
     std::fill(f.begin(), f.end(), 0.0F);
     float total = 0.0F;
     for (std::size_t cell = first; cell <= last; ++cell) {
@@ -93,7 +95,7 @@ void learned_density(float z, float width, std::span<float> f, const Tables &tab
 }
 
 void learned_integral(float d, std::span<float> g, const Tables &tables) {
-    const glsl::TablePosition position = glsl::table_position(d, number(tables.cells));
+    const RaysText::TablePosition position = RaysText().table_position(d, number(tables.cells));
     const auto cell = static_cast<std::size_t>(position.cell);
     for (std::size_t k = 0; k < g.size(); ++k) {
         const float *row = tables.g.data() + k * (tables.cells + 1) + cell;
@@ -101,14 +103,14 @@ void learned_integral(float d, std::span<float> g, const Tables &tables) {
     }
 }
 
-glsl::DepthRange shared(const Range &range) {
-    glsl::DepthRange out;
+RaysText::DepthRange shared(const Range &range) {
+    RaysText::DepthRange out;
     out.low = range.low;
     out.high = range.high;
     return out;
 }
 
-Range ours(const glsl::DepthRange &range) {
+Range ours(const RaysText::DepthRange &range) {
     return {range.low, range.high};
 }
 
@@ -168,8 +170,8 @@ void RayEvaluator::operator()(std::span<const float> coefficients, const Range &
     std::vector<float> g(coefficients.size());
     const float total = total_of(series, coefficients);
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        series.basis().integral(glsl::relative_depth(shared(range), depth[i]), g, series.tables);
-        out[i] = glsl::transmittance_of(std::clamp(dot(coefficients, g), 0.0F, total));
+        series.basis().integral(RaysText().relative_depth(shared(range), depth[i]), g, series.tables);
+        out[i] = RaysText().transmittance_of(std::clamp(dot(coefficients, g), 0.0F, total));
     }
 }
 
@@ -195,7 +197,7 @@ void RayEvaluator::monotone(std::span<const float> coefficients, const Range &ra
     for (std::size_t i = 0; i < depth.size(); ++i) {
         const float x = std::clamp((depth[i] - range.low) * scale, 0.0F, number(CELLS));
         const std::size_t cell = std::min(static_cast<std::size_t>(x), CELLS - 1);
-        out[i] = glsl::transmittance_of(tau[cell] + (x - number(cell)) * (tau[cell + 1] - tau[cell]));
+        out[i] = RaysText().transmittance_of(tau[cell] + (x - number(cell)) * (tau[cell + 1] - tau[cell]));
     }
 }
 
@@ -207,23 +209,23 @@ void transmittance(const Series &series, std::span<const float> coefficients, co
 void transmittance_before(const Series &series, std::span<const float> coefficients, const Range &range,
                           const Absorbers &receivers, std::span<float> out) {
     const Basis &basis = series.basis();
-    const glsl::DepthRange depths = shared(range);
+    const RaysText::DepthRange depths = shared(range);
     const float width = receivers.width / std::max(range.high - range.low, 1e-7F);
     const float total = total_of(series, coefficients);
     std::vector<float> f(coefficients.size()), g(coefficients.size());
     for (std::size_t i = 0; i < receivers.depth.size(); ++i) {
-        const float z = glsl::relative_depth(depths, receivers.depth[i]);
+        const float z = RaysText().relative_depth(depths, receivers.depth[i]);
         basis.density(z, width, f, series.tables);
         basis.integral(z, g, series.tables);
         // S(z) is the sum of F_k(z) G_k(z) in any basis; in Fourier's that is the sum of self_harmonic().
-        out[i] = glsl::transmittance_of(
-            glsl::optical_depth_of_others(dot(coefficients, g), total, receivers.tau[i], dot(f, g)));
+        out[i] = RaysText().transmittance_of(
+            RaysText().optical_depth_of_others(dot(coefficients, g), total, receivers.tau[i], dot(f, g)));
     }
 }
 
 namespace {
 
-glsl::DepthRange trimmed_range(const Absorbers &absorbers, glsl::DepthRange otherwise) {
+RaysText::DepthRange trimmed_range(const Absorbers &absorbers, RaysText::DepthRange otherwise) {
     std::vector<std::size_t> order(absorbers.depth.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
@@ -236,13 +238,13 @@ glsl::DepthRange trimmed_range(const Absorbers &absorbers, glsl::DepthRange othe
         double sum = 0.0;
         return std::find_if(first, last, [&](std::size_t i) { return (sum += double{absorbers.tau[i]}) > most; });
     };
-    const auto front = edge(order.begin(), order.end(), double{glsl::trimmed_before(static_cast<float>(total))});
-    const auto back = edge(order.rbegin(), order.rend(), double{glsl::trimmed_behind(static_cast<float>(total))});
+    const auto front = edge(order.begin(), order.end(), double{RaysText().trimmed_before(static_cast<float>(total))});
+    const auto back = edge(order.rbegin(), order.rend(), double{RaysText().trimmed_behind(static_cast<float>(total))});
     if (front == order.end() || back == order.rend() || absorbers.depth[*front] > absorbers.depth[*back]) {
         return otherwise; // hardly anything at all
     }
-    return glsl::padded_range(absorbers.depth[*front] - 0.5F * absorbers.width,
-                              absorbers.depth[*back] + 0.5F * absorbers.width);
+    return RaysText().padded_range(absorbers.depth[*front] - 0.5F * absorbers.width,
+                                   absorbers.depth[*back] + 0.5F * absorbers.width);
 }
 
 } // namespace
@@ -263,12 +265,12 @@ Range depth_range(const Absorbers &absorbers, RangeKind kind, float q) {
     if (kind == RangeKind::WHOLE || furthest < nearest) { // nothing to hold: any range does
         return {};
     }
-    const glsl::DepthRange padded = glsl::padded_range(nearest, furthest);
-    const glsl::DepthRange moments = glsl::moment_range(s0, s1, s2, q);
+    const RaysText::DepthRange padded = RaysText().padded_range(nearest, furthest);
+    const RaysText::DepthRange moments = RaysText().moment_range(s0, s1, s2, q);
     return storable(ours(kind == RangeKind::MINMAX    ? padded
                          : kind == RangeKind::MOMENTS ? moments
                          : kind == RangeKind::TRIMMED ? trimmed_range(absorbers, padded)
-                                                      : glsl::common_range(padded, moments)));
+                                                      : RaysText().common_range(padded, moments)));
 }
 
 } // namespace sfumato

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "rays/learned_basis.hpp"
 
-#include "text/glsl.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,17 +10,19 @@
 namespace sfumato {
 namespace {
 
+using RaysText = text::RaysText<float>;
+
 using Matrix = std::vector<double>; // square, row after row
 
 // Optical depth down to each of the depths 1/cells, 2/cells, ..., 1 of the range.
 std::vector<double> cumulative(const Absorbers &ray, const Range &range, std::size_t cells) {
     std::vector<double> curve(cells, 0.0);
-    glsl::DepthRange depths;
+    RaysText::DepthRange depths;
     depths.low = range.low;
     depths.high = range.high;
     for (std::size_t i = 0; i < ray.depth.size(); ++i) {
-        const float z = glsl::relative_depth(depths, ray.depth[i]);
-        curve[static_cast<std::size_t>(glsl::table_position(z, static_cast<float>(cells)).cell)] += ray.tau[i];
+        const float z = RaysText().relative_depth(depths, ray.depth[i]);
+        curve[static_cast<std::size_t>(RaysText().table_position(z, static_cast<float>(cells)).cell)] += ray.tau[i];
     }
     std::partial_sum(curve.begin(), curve.end(), curve.begin());
     return curve;

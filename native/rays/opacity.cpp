@@ -2,12 +2,11 @@
 #include "rays/opacity.hpp"
 
 #include "rays/basis.hpp"
-#include "text/glsl.hpp"
+#include "text/media_text.hpp"
 
 #include <cstddef>
 
 namespace sfumato {
-
 void add_to_series(std::span<const float> depth, std::span<const float> tau, float width,
                    std::span<float> coefficients) {
     project({FOURIER, coefficients.size(), {}}, {depth, tau, width}, {}, coefficients);
@@ -19,7 +18,7 @@ void series_transmittance(std::span<const float> coefficients, std::span<const f
 
 void henyey_greenstein(std::span<const float> cos_theta, float anisotropy, std::span<float> out) {
     for (std::size_t i = 0; i < cos_theta.size(); ++i) {
-        out[i] = glsl::henyey_greenstein(cos_theta[i], anisotropy);
+        out[i] = text::MediaText<float>().henyey_greenstein(cos_theta[i], anisotropy);
     }
 }
 

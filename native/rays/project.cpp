@@ -2,13 +2,15 @@
 // The sums over a ray's absorbers, basis by basis, as fast as each allows. Basis::density says what they are sums of.
 #include "rays/basis.hpp"
 #include "rays/ray_kernels.hpp"
-#include "text/glsl.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <array>
 
 namespace sfumato {
 namespace {
+
+using RaysText = text::RaysText<float>;
 
 // Absorbers in lanes. The width of all is the same, so that each harmonic is damped once for the ray.
 void project_harmonics(const Absorbers &absorbers, const Range &range, float width, bool half,
@@ -23,16 +25,16 @@ void project_harmonics(const Absorbers &absorbers, const Range &range, float wid
                                  range.high, half, harmonics, sums.data()});
     coefficients[0] += half ? sums[0] : 2.0F * sums[0];
     for (std::size_t k = 1; k <= harmonics; ++k) {
-        const float thickness = width > 0.0F ? glsl::slab_factor(frequency * static_cast<float>(k), width) : 1.0F;
-        glsl::Harmonic sum;
+        const float thickness = width > 0.0F ? RaysText().slab_factor(frequency * static_cast<float>(k), width) : 1.0F;
+        RaysText::Harmonic sum;
         if (half) {
             sum.cosine = sums[k];
-            coefficients[k] += glsl::project_cosine(1.0F, sum, thickness);
+            coefficients[k] += RaysText().project_cosine(1.0F, sum, thickness);
         } else {
             sum.cosine = sums[2 * k - 1];
             sum.sine = sums[2 * k];
-            coefficients[2 * k - 1] += glsl::project_cosine(1.0F, sum, thickness);
-            coefficients[2 * k] += glsl::project_sine(1.0F, sum, thickness);
+            coefficients[2 * k - 1] += RaysText().project_cosine(1.0F, sum, thickness);
+            coefficients[2 * k] += RaysText().project_sine(1.0F, sum, thickness);
         }
     }
 }
@@ -58,12 +60,12 @@ void project_slices(const Absorbers &absorbers, const Range &range, float width,
 
 void project_tables(const Series &series, const Absorbers &absorbers, const Range &range, float width,
                     std::span<float> coefficients) {
-    glsl::DepthRange depths;
+    RaysText::DepthRange depths;
     depths.low = range.low;
     depths.high = range.high;
     std::vector<float> f(coefficients.size());
     for (std::size_t i = 0; i < absorbers.depth.size(); ++i) {
-        series.basis().density(glsl::relative_depth(depths, absorbers.depth[i]), width, f, series.tables);
+        series.basis().density(RaysText().relative_depth(depths, absorbers.depth[i]), width, f, series.tables);
         for (std::size_t k = 0; k < f.size(); ++k) {
             coefficients[k] += absorbers.tau[i] * f[k];
         }

@@ -2,12 +2,17 @@
 // Light rays, many absorbers or receivers at a time.
 #include "rays/ray_kernels.hpp"
 #include "text/lanes.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cstddef>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
+
+using RaysText = text::RaysText<Real, Isa>;
+using DepthRange = RaysText::DepthRange;
+using Harmonic = RaysText::Harmonic;
 
 inline Real load_some(const float *from, std::size_t count, float otherwise) {
     alignas(64) float lanes[LANES];
@@ -80,7 +85,7 @@ void harmonic_sums(const HarmonicSums &sums) {
             const std::size_t done = b * LANES;
             tau[b] = load(sums.tau + start + done, left - done, 0.0F);
             const Real z = load(sums.depth + start + done, left - done, 0.0F);
-            first[b] = h[b] = unit_harmonic(sums.half, relative_depth(range, z));
+            first[b] = h[b] = unit_harmonic(sums.half, RaysText().relative_depth(range, z));
             all = all + tau[b];
         }
         *out++ += sum_of_lanes(all);
@@ -89,7 +94,7 @@ void harmonic_sums(const HarmonicSums &sums) {
             for (std::size_t b = 0; b < blocks; ++b) {
                 cosine = xsimd::fma(tau[b], h[b].cosine, cosine);
                 sine = xsimd::fma(tau[b], h[b].sine, sine);
-                h[b] = next_harmonic(h[b], first[b]);
+                h[b] = RaysText().next_harmonic(h[b], first[b]);
             }
             *out++ += sum_of_lanes(cosine);
             if (!sums.half) {
@@ -150,8 +155,8 @@ struct Head {
 inline Head head_of(Index low_high, Index total) {
     Head head;
     const Index low = low_high & Index(65535), high = (low_high >> 16) & Index(65535);
-    head.range.low = stored_depth(xsimd::to_float(low));
-    head.range.high = stored_depth(xsimd::to_float(high));
+    head.range.low = RaysText().stored_depth(xsimd::to_float(low));
+    head.range.high = RaysText().stored_depth(xsimd::to_float(high));
     const Index exponent = (total >> 10) & Index(31), mantissa = total & Index(1023);
     const Real scale = xsimd::ldexp(Real(1.0F), xsimd::max(exponent, Index(1)) - Index(25));
     head.total = (xsimd::to_float(mantissa) + pick(xsimd::to_float(exponent) > 0.5F, 1024.0F, 0.0F)) * scale;
@@ -165,17 +170,17 @@ void look_up_series(const SeriesLookUp &look_up) {
         DepthRange range;
         range.low = gather(look_up.ranges, ray + ray);
         range.high = gather(look_up.ranges + 1, ray + ray);
-        const Real d = relative_depth(range, z);
+        const Real d = RaysText().relative_depth(range, z);
         const Index first_of_ray = ray * Index(look_up.count);
         const auto coefficient = [&](int c) { return gather(look_up.coefficients + c, first_of_ray); };
         const Harmonic first = unit_harmonic(look_up.half, d);
         const Real a0 = coefficient(0) * (look_up.half ? 2.0F : 1.0F);
-        Real tau = integral_constant(a0, d);
+        Real tau = RaysText().integral_constant(a0, d);
         if (look_up.half) {
             Real next(0.0F), after(0.0F);
             for (int k = look_up.count - 1; k > 0; --k) {
                 const Real c = coefficient(k) * (2.0F / (TWO_PI * static_cast<float>(k)));
-                const Real here = clenshaw(c, 2.0F * first.cosine, next, after);
+                const Real here = RaysText().clenshaw(c, 2.0F * first.cosine, next, after);
                 after = next;
                 next = here;
             }
@@ -183,11 +188,12 @@ void look_up_series(const SeriesLookUp &look_up) {
         } else {
             Harmonic h = first;
             for (int k = 1; 2 * k < look_up.count; ++k) {
-                tau = tau + integral_harmonic(coefficient(2 * k - 1), coefficient(2 * k), h, static_cast<float>(k));
-                h = next_harmonic(h, first);
+                tau = tau + RaysText().integral_harmonic(coefficient(2 * k - 1), coefficient(2 * k), h,
+                                                         static_cast<float>(k));
+                h = RaysText().next_harmonic(h, first);
             }
         }
-        return transmittance_of(clamp_optical_depth(tau, a0));
+        return RaysText().transmittance_of(RaysText().clamp_optical_depth(tau, a0));
     });
 }
 
@@ -203,17 +209,17 @@ void look_up_texels(const TexelLookUp &look_up) {
             Index word[RAY_WORDS];
             words(ray, word);
             const Head head = head_of(word[0], word[1]);
-            const Real d = relative_depth(head.range, z), total = transmittance_of(head.total);
-            CurveSegment segment = curve_start();
+            const Real d = RaysText().relative_depth(head.range, z), total = RaysText().transmittance_of(head.total);
+            RaysText::CurveSegment segment = RaysText().curve_start();
             Real depth_left(1.0F), share_left(1.0F);
 #pragma GCC unroll 7
             for (int k = 0; k < 7; ++k) {
                 const int z_at = 6 + k, t_at = 13 + k;
-                depth_left = next_left(depth_left, xsimd::to_float(byte_of(word[z_at / 4], z_at % 4)));
-                share_left = next_left(share_left, xsimd::to_float(byte_of(word[t_at / 4], t_at % 4)));
-                segment = curve_step(segment, d, depth_left, share_left);
+                depth_left = RaysText().next_left(depth_left, xsimd::to_float(byte_of(word[z_at / 4], z_at % 4)));
+                share_left = RaysText().next_left(share_left, xsimd::to_float(byte_of(word[t_at / 4], t_at % 4)));
+                segment = RaysText().curve_step(segment, d, depth_left, share_left);
             }
-            return curve_transmittance(z, head.range, curve_inside(segment, d, total), total);
+            return RaysText().curve_transmittance(z, head.range, RaysText().curve_inside(segment, d, total), total);
         });
         return;
     }
@@ -221,19 +227,19 @@ void look_up_texels(const TexelLookUp &look_up) {
         Index word[RAY_WORDS];
         words(ray, word);
         const Head head = head_of(word[0], word[1]);
-        const Real d = relative_depth(head.range, z);
+        const Real d = RaysText().relative_depth(head.range, z);
         const Harmonic first = unit_harmonic(true, d);
         Real next(0.0F), after(0.0F);
 #pragma GCC unroll 14
         for (int k = 14; k > 0; --k) {
-            const Real ratio = eight_bit_ratio(xsimd::to_float(byte_of(word[(5 + k) / 4], (5 + k) % 4)));
-            const Real here =
-                clenshaw(ratio * (4.0F / (TWO_PI * static_cast<float>(k))), 2.0F * first.cosine, next, after);
+            const Real ratio = RaysText().eight_bit_ratio(xsimd::to_float(byte_of(word[(5 + k) / 4], (5 + k) % 4)));
+            const Real here = RaysText().clenshaw(ratio * (4.0F / (TWO_PI * static_cast<float>(k))),
+                                                  2.0F * first.cosine, next, after);
             after = next;
             next = here;
         }
         // Of a total of one.
-        return transmittance_of(head.total * clamp(d + first.sine * next, 0.0F, 1.0F));
+        return RaysText().transmittance_of(head.total * clamp(d + first.sine * next, 0.0F, 1.0F));
     });
 }
 

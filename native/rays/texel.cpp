@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Coefficients of a ray in a few bytes.
 #include "rays/basis.hpp"
-#include "text/glsl.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,8 @@
 
 namespace sfumato {
 namespace {
+
+using RaysText = text::RaysText<float>;
 
 void put(std::span<std::uint8_t> texel, std::size_t at, unsigned value) {
     texel[at] = static_cast<std::uint8_t>(value & 255U);
@@ -36,19 +38,19 @@ float bound(const Series &series, std::size_t k) {
 } // namespace
 
 Range storable(const Range &range) {
-    return {glsl::stored_depth(std::floor(glsl::depth_code(range.low))),
-            glsl::stored_depth(std::ceil(glsl::depth_code(range.high)))};
+    return {RaysText().stored_depth(std::floor(RaysText().depth_code(range.low))),
+            RaysText().stored_depth(std::ceil(RaysText().depth_code(range.high)))};
 }
 
 TexelHead write_head(const Range &range, float total, std::span<std::uint8_t> texel) {
-    put(texel, 0, static_cast<unsigned>(std::floor(glsl::depth_code(range.low))));
-    put(texel, 2, static_cast<unsigned>(std::ceil(glsl::depth_code(range.high))));
+    put(texel, 0, static_cast<unsigned>(std::floor(RaysText().depth_code(range.low))));
+    put(texel, 2, static_cast<unsigned>(std::ceil(RaysText().depth_code(range.high))));
     put(texel, 4, glm::packHalf1x16(std::min(total, 65504.0F)));
     return read_head(texel);
 }
 
 TexelHead read_head(std::span<const std::uint8_t> texel) {
-    const auto depth = [&](std::size_t at) { return glsl::stored_depth(static_cast<float>(get(texel, at))); };
+    const auto depth = [&](std::size_t at) { return RaysText().stored_depth(static_cast<float>(get(texel, at))); };
     return {{depth(0), depth(2)}, glm::unpackHalf1x16(static_cast<std::uint16_t>(get(texel, 4)))};
 }
 
@@ -67,7 +69,7 @@ void pack(const Series &series, std::span<const float> coefficients, const Range
     std::size_t at = HEAD_BYTES;
     for (std::size_t k = series.basis().leading ? 1 : 0; k < series.count; ++k) {
         const float ratio = coefficients[k] / std::max(total * bound(series, k), 1e-30F);
-        texel[at++] = static_cast<std::uint8_t>(glsl::eight_bit_level(ratio));
+        texel[at++] = static_cast<std::uint8_t>(RaysText().eight_bit_level(ratio));
     }
 }
 
@@ -77,7 +79,7 @@ Range unpack(const Series &series, std::span<const std::uint8_t> texel, std::spa
     for (std::size_t k = 0; k < series.count; ++k) {
         coefficients[k] = k == 0 && series.basis().leading
                               ? head.total * (series.name == FOURIER ? 2.0F : 1.0F)
-                              : head.total * bound(series, k) * glsl::eight_bit_ratio(texel[at++]);
+                              : head.total * bound(series, k) * RaysText().eight_bit_ratio(texel[at++]);
     }
     // Rounded slices need not add up to the total.
     const float sum = total_of(series, coefficients);

@@ -8,14 +8,14 @@ namespace sfumato {
 namespace {
 
 std::vector<InstructionSet> runnable() {
-    std::vector<InstructionSet> all{{Isa::BASELINE, "baseline", 4}};
+    std::vector<InstructionSet> all{{InstructionSet::Kind::BASELINE, "baseline", 4}};
 #ifdef SFUMATO_X86
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-        all.push_back({Isa::AVX2, "avx2", 8});
+        all.push_back({InstructionSet::Kind::AVX2, "avx2", 8});
     }
     if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd")) {
-        all.push_back({Isa::AVX512, "avx512", 16});
+        all.push_back({InstructionSet::Kind::AVX512, "avx512", 16});
     }
 #endif
     return all;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The instruction sets for which the *_lanes.cpp are compiled, and the choice among them at run time. A room gathers
 // its kernels in a table of function pointers: *_lanes.cpp define one for each set, in the namespace of the set, and a
-// source file of the room chooses among them with SFUMATO_DISPATCH.
+// source file of the room chooses among them with SFUMATO_DISPATCH. The names of the tables end in _kernels: CMake
+// hides all else of what is compiled for a set.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +12,9 @@ namespace sfumato {
 
 constexpr int MAX_LANES = 16; // of any instruction set
 
-enum class Isa : std::uint8_t { BASELINE, AVX2, AVX512 };
-
 struct InstructionSet {
-    Isa isa = Isa::BASELINE;
+    enum class Kind : std::uint8_t { BASELINE, AVX2, AVX512 };
+    Kind kind = Kind::BASELINE;
     const char *name = nullptr;
     int lanes = 0;
 };
@@ -40,7 +40,9 @@ const InstructionSet &instruction_set();
     extern const TABLE NAME;                                                                                           \
     }                                                                                                                  \
     const TABLE &NAME(const InstructionSet &with) {                                                                    \
-        return with.isa == Isa::AVX512 ? avx512::NAME : with.isa == Isa::AVX2 ? avx2::NAME : baseline::NAME;           \
+        return with.kind == InstructionSet::Kind::AVX512 ? avx512::NAME                                                \
+               : with.kind == InstructionSet::Kind::AVX2 ? avx2::NAME                                                  \
+                                                         : baseline::NAME;                                             \
     }
 #else
 #define SFUMATO_DISPATCH(TABLE, NAME)                                                                                  \

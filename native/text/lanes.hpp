@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// shaders/*.glsl as C++, as many lanes wide as the instruction set of this translation unit allows.
+// Numbers as many lanes wide as the instruction set of this translation unit allows, and what the kernels do with them.
 //
 // The files that include this one are compiled once per instruction set, each time into a namespace of its own,
-// SFUMATO_ISA; dispatch.hpp chooses among them at run time. Everything here has internal linkage, so that no function
-// compiled for a newer processor can replace its twin in code that runs on every processor.
+// SFUMATO_ISA; dispatch.hpp chooses among them at run time. Everything here has internal linkage, and so has the text
+// (text.hpp) made of it: no function compiled for a newer processor can replace its twin in code that runs on every
+// processor.
 #pragma once
 
 #include "scene/affine.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include <glm/vec3.hpp>
@@ -19,111 +21,66 @@ namespace {
 
 using Real = xsimd::batch<float>;
 using Index = xsimd::batch<std::int32_t>;
-using Mask = xsimd::batch_bool<float>;
-using vec3 = glm::vec<3, Real>;
-constexpr int LANES = static_cast<int>(Real::size);
 
-// Plain functions rather than xsimd's templates, so that a float among lanes converts by itself.
-inline Real abs(Real x) {
-    return xsimd::abs(x);
-}
-inline Real ceil(Real x) {
-    return xsimd::ceil(x);
-}
-inline Real floor(Real x) {
-    return xsimd::floor(x);
-}
-inline Real cos(Real x) {
-    return xsimd::cos(x);
-}
-inline Real sin(Real x) {
-    return xsimd::sin(x);
-}
-inline Real log(Real x) {
-    return xsimd::log(x);
-}
-inline Real sqrt(Real x) {
-    return xsimd::sqrt(x);
-}
-// The processor's estimate and one step of Newton's: a few units in the last place, at a quarter of the exact price.
-inline Real inversesqrt(Real x) {
-#ifdef __AVX512F__
-    const Real y = _mm512_rsqrt14_ps(x); // xsimd 8 names an instruction that does not exist
-#else
-    const Real y = xsimd::rsqrt(x);
-#endif
-    return y * (1.5F - 0.5F * x * y * y);
-}
-// Of numbers that are neither 0 nor infinite, likewise.
-inline Real reciprocal(Real x) {
-#ifdef __AVX512F__
-    const Real y = _mm512_rcp14_ps(x);
-#else
-    const Real y = xsimd::reciprocal(x);
-#endif
-    return y * (2.0F - x * y);
-}
-inline Real min(Real a, Real b) {
-    return xsimd::min(a, b);
-}
-inline Real max(Real a, Real b) {
-    return xsimd::max(a, b);
-}
-inline Real clamp(Real x, Real low, Real high) {
-    return xsimd::min(xsimd::max(x, low), high);
-}
-inline Real pick(Mask condition, Real a, Real b) {
-    return xsimd::select(condition, a, b);
-}
-inline bool any_lane(Mask condition) {
-    return xsimd::any(condition);
-}
-inline Real exp(Real x) {
-    return xsimd::exp(x);
-}
-inline Real pow(Real x, Real y) {
-    return xsimd::pow(x, y);
-}
-inline Real dot(vec3 a, vec3 b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-inline vec3 cross(vec3 a, vec3 b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline vec3 pick(Mask condition, const vec3 &a, const vec3 &b) {
-    return {pick(condition, a.x, b.x), pick(condition, a.y, b.y), pick(condition, a.z, b.z)};
-}
+// What text::OneLane is for one lane.
+struct Isa {
+    static constexpr int LANES = static_cast<int>(Real::size);
 
-// xsimd's own takes several branches and computes them all. Of the smaller over the larger, a polynomial t P(t^2): our
-// fit by least squares with Lawson's weights, 1e-9 before rounding. (0, 0) gives 0.
-inline Real atan(Real y, Real x) {
-    constexpr float P[] = {0.999999981F,   -0.333331802F, 0.199964341F,   -0.142472045F,  0.108779404F,
-                           -0.0821360064F, 0.0550257995F, -0.0284887934F, 0.00956639632F, -0.00150911243F};
-    const Real ax = abs(x), ay = abs(y);
-    const Real t = min(ax, ay) / max(max(ax, ay), 1e-37F), t2 = t * t;
-    Real sum = P[9];
-    for (int k = 8; k >= 0; --k) {
-        sum = xsimd::fma(sum, t2, Real(P[k]));
+    static Real load(const float *lanes) { return Real::load_aligned(lanes); }
+    static void store(Real x, float *lanes) { x.store_aligned(lanes); }
+    static Real pick(xsimd::batch_bool<float> condition, Real a, Real b) { return xsimd::select(condition, a, b); }
+    static bool any_lane(xsimd::batch_bool<float> condition) { return xsimd::any(condition); }
+
+    // The processor's estimate and one step of Newton's: a few units in the last place, at a quarter of the exact
+    // price.
+    static Real inversesqrt(Real x) {
+#ifdef __AVX512F__
+        const Real y = _mm512_rsqrt14_ps(x); // xsimd 8 names an instruction that does not exist
+#else
+        const Real y = xsimd::rsqrt(x);
+#endif
+        return y * (1.5F - 0.5F * x * y * y);
     }
-    const Real steep = pick(ay > ax, 1.57079632679489662F - t * sum, t * sum);
-    const Real turned = pick(x < 0.0F, 3.14159265358979324F - steep, steep);
-    return xsimd::copysign(turned, y);
-}
 
-// A power series where the quotient's logarithm would cancel.
-inline Real atanh(Real x) {
-    const Real x2 = x * x;
-    const Real series =
-        x * (1.0F + x2 * (1.0F / 3.0F + x2 * (0.2F + x2 * (1.0F / 7.0F + x2 * (1.0F / 9.0F + x2 * (1.0F / 11.0F))))));
-    return pick(x2 < 0.04F, series, 0.5F * log((1.0F + x) / max(1.0F - x, 1e-37F)));
-}
+    // Of numbers that are neither 0 nor infinite, likewise.
+    static Real reciprocal(Real x) {
+#ifdef __AVX512F__
+        const Real y = _mm512_rcp14_ps(x);
+#else
+        const Real y = xsimd::reciprocal(x);
+#endif
+        return y * (2.0F - x * y);
+    }
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#define float Real
-#include "text/glsl_text.inc"
-#undef float
-#pragma GCC diagnostic pop
+    // xsimd's own takes several branches and computes them all. Of the smaller over the larger, a polynomial t P(t^2):
+    // our fit by least squares with Lawson's weights, 1e-9 before rounding. (0, 0) gives 0.
+    static Real atan(Real y, Real x) {
+        constexpr float P[] = {0.999999981F,   -0.333331802F, 0.199964341F,   -0.142472045F,  0.108779404F,
+                               -0.0821360064F, 0.0550257995F, -0.0284887934F, 0.00956639632F, -0.00150911243F};
+        const Real ax = xsimd::abs(x), ay = xsimd::abs(y);
+        const Real t = xsimd::min(ax, ay) / xsimd::max(xsimd::max(ax, ay), Real(1e-37F)), t2 = t * t;
+        Real sum = P[9];
+        for (int k = 8; k >= 0; --k) {
+            sum = xsimd::fma(sum, t2, Real(P[k]));
+        }
+        const Real steep = pick(ay > ax, 1.57079632679489662F - t * sum, t * sum);
+        const Real turned = pick(x < 0.0F, 3.14159265358979324F - steep, steep);
+        return xsimd::copysign(turned, y);
+    }
+
+    // A power series where the quotient's logarithm would cancel.
+    static Real atanh(Real x) {
+        const Real x2 = x * x;
+        const Real series =
+            x *
+            (1.0F + x2 * (1.0F / 3.0F + x2 * (0.2F + x2 * (1.0F / 7.0F + x2 * (1.0F / 9.0F + x2 * (1.0F / 11.0F))))));
+        const Real quotient = (1.0F + x) / xsimd::max(1.0F - x, Real(1e-37F));
+        return pick(x2 < 0.04F, series, 0.5F * xsimd::log(quotient));
+    }
+};
+
+constexpr int LANES = Isa::LANES;
+#include "text/vocabulary.inc"
 
 // 0, 1, 2, ... : the number of each lane.
 inline Real lane_numbers() {

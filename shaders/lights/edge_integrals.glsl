@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// needs: polygon
 // Cosine powers over polygons by integrals along each edge: exactly for whole exponents (Arvo 1995), and by the peaks of
 // Lecocq et al., "Analytic Approximations for Real-Time Area Light Shading", 2017, section 6.
 //

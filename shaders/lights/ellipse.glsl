@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// needs: complex polygon
 // Elliptical lights, and spherical ones by their circular outline: cosine powers (poles.glsl) and Lambert's irradiance.
 //
 // Along the outline p = u cos(psi) + v sin(psi) + centre one pole B integrates

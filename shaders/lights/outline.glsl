@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// needs: complex polygon poles ellipse
 // Elliptical and spherical lights cut by horizons: the arcs of the outline (ellipse.glsl) in front of one plane or two,
 // and the chords that close them.
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// needs: complex polygon
 // Cosine powers over polygons as a sum of poles.
 //
 // With N = n + 1 and the lobe's axis r, L = N/(2 pi) M^n = N/(2 pi) int (u.r)^n du over a polygon in front of r's plane

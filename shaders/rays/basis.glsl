@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// needs: opacity
 // More bases for the absorption along a light ray, the range of depth that a basis spans, and eight bits a coefficient.
 //
 // A basis is a pair for each k. An absorber of optical depth tau at depth z adds tau F_k(z) to coefficient c_k, and the

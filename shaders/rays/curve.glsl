@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// needs: basis
 // A resolved light ray: its transmittance as straight lines between a few knots, with depths and values in eight bits.
 //
 // What Lokovic and Veach, "Deep Shadow Maps", 2000, keep as a list of any length, at a fixed size: knots that are

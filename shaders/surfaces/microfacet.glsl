@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// needs: complex polygon poles half_vector
 // Rough metal and varnish: microfacets, and how a light's outline gives what they reflect of it. No tables.
 //
 // Directions are in the frame of the shading point: z the normal, x the tangent, the point at the origin; `view` is the

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// needs: half_vector microfacet
 // Area lights reflected by microfacets: quadrilaterals, spheres, ellipses; what is below the horizon gives nothing.
 // Each light is its outline in arcs (half_vector.glsl), closed along the horizon where that cuts it.
 

@@ -5,6 +5,7 @@
 // integral. Rectangles are above the horizon, as most of a scene's are, or six in ten cut by it, so that every packet
 // has some; Fresnel's reflectance is Schlick's, as LTC's tables have it, or that of a dielectric, which they have not.
 #include "text/lanes.hpp"
+#include "text/microfacets_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,6 +17,11 @@
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
+
+using MicrofacetsText = text::MicrofacetsText<Real, Isa>;
+using LitEdge = MicrofacetsText::LitEdge;
+using Microfacets = MicrofacetsText::Microfacets;
+using Reflection = MicrofacetsText::Reflection;
 
 constexpr int SIZE = 64;
 
@@ -56,14 +62,14 @@ Reflection ltc_quad(const Table &table, const vec3 &view, Real alpha, const vec3
     for (std::size_t c = 0; c < 4; ++c) {
         const vec3 &q = corners[c];
         const Real x = q.x * tx + q.y * ty, y = q.y * tx - q.x * ty;
-        p[c] = unit(vec3(e[0] * x + e[1] * q.z, y, e[2] * x + e[3] * q.z));
+        p[c] = MicrofacetsText().unit(vec3(e[0] * x + e[1] * q.z, y, e[2] * x + e[3] * q.z));
     }
     Real sum = 0.0F;
     // The same shortcut as ours: no clipping where nothing is below the horizon.
     if (any_lane(min(min(p[0].z, p[1].z), min(p[2].z, p[3].z)) < 0.0F)) {
         vec3 leave(Real(0.0F), Real(0.0F), Real(0.0F)), enter = leave;
         for (std::size_t c = 0; c < 4; ++c) {
-            const LitEdge edge = lit_edge(p[c], p[(c + 1) % 4]);
+            const LitEdge edge = MicrofacetsText().lit_edge(p[c], p[(c + 1) % 4]);
             leave = leave + edge.leave;
             enter = enter + edge.enter;
             sum = sum + edge_integral(edge.a, edge.b);
@@ -83,9 +89,9 @@ Reflection ltc_quad(const Table &table, const vec3 &view, Real alpha, const vec3
 
 // As a frame calls it: one function in which all is inlined, so that nothing passes through memory.
 [[gnu::flatten]] Reflection flat_ggx_quad(const vec3 &view, Real alpha, Real index, const vec3 *c) {
-    Microfacets m = microfacets(BRDF_GGX, view, alpha, alpha);
+    Microfacets m = MicrofacetsText().microfacets(BRDF_GGX, view, alpha, alpha);
     m.index = index;
-    return microfacet_quad(m, c[0], c[1], c[2], c[3]);
+    return MicrofacetsText().microfacet_quad(m, c[0], c[1], c[2], c[3]);
 }
 
 Real triangle_solid_angle(const vec3 &a, const vec3 &b, const vec3 &c) {
@@ -94,16 +100,19 @@ Real triangle_solid_angle(const vec3 &a, const vec3 &b, const vec3 &c) {
 
 // Karis, "Real Shading in Unreal Engine 4", 2013, for rectangles, as tests/bench/ltc.py has it.
 [[gnu::flatten]] Reflection representative_point(const vec3 &view, Real alpha, const vec3 *c) {
-    const vec3 u = c[1] - c[0], v = c[3] - c[0], normal = unit(cross(u, v)), mirror = mirrored(view);
+    const vec3 u = c[1] - c[0], v = c[3] - c[0], normal = MicrofacetsText().unit(cross(u, v)),
+               mirror = MicrofacetsText().mirrored(view);
     const Real along = dot(normal, mirror);
     const Real t = dot(normal, c[0]) / pick(abs(along) < 1e-6F, 1e-6F, along);
     const vec3 hit = mirror * pick(t > 0.0F, t, 1e3F) - c[0];
     const vec3 point =
         c[0] + u * clamp(dot(hit, u) / dot(u, u), 0.0F, 1.0F) + v * clamp(dot(hit, v) / dot(v, v), 0.0F, 1.0F);
-    const vec3 p[4] = {unit(c[0]), unit(c[1]), unit(c[2]), unit(c[3])};
+    const vec3 p[4] = {MicrofacetsText().unit(c[0]), MicrofacetsText().unit(c[1]), MicrofacetsText().unit(c[2]),
+                       MicrofacetsText().unit(c[3])};
     const Real omega = triangle_solid_angle(p[0], p[1], p[2]) + triangle_solid_angle(p[0], p[2], p[3]);
     const Real wider = clamp(alpha + 0.5F * sqrt(omega * 0.318309886F), 0.0F, 1.0F), narrower = alpha / wider;
-    Reflection light = microfacet_reflection(microfacets(BRDF_GGX, view, alpha, alpha), unit(point));
+    Reflection light = MicrofacetsText().microfacet_reflection(
+        MicrofacetsText().microfacets(BRDF_GGX, view, alpha, alpha), MicrofacetsText().unit(point));
     light.plain = light.plain * narrower * narrower * omega;
     return light;
 }
@@ -111,7 +120,7 @@ Real triangle_solid_angle(const vec3 &a, const vec3 &b, const vec3 &c) {
 // An even grid of 64 points: what a renderer would do without noise's other half, the random numbers.
 [[gnu::flatten]] Reflection sampled(const vec3 &view, Real alpha, const vec3 *c) {
     constexpr int SIDE = 8;
-    const Microfacets m = microfacets(BRDF_GGX, view, alpha, alpha);
+    const Microfacets m = MicrofacetsText().microfacets(BRDF_GGX, view, alpha, alpha);
     const vec3 u = c[1] - c[0], v = c[3] - c[0], normal = cross(u, v);
     Reflection light;
     light.plain = light.fresnel = 0.0F;
@@ -120,7 +129,7 @@ Real triangle_solid_angle(const vec3 &a, const vec3 &b, const vec3 &c) {
         const vec3 point = c[0] + u * a + v * b;
         const Real inverse = inversesqrt(dot(point, point));
         const Real share = abs(dot(point, normal)) * inverse * inverse * inverse / (SIDE * SIDE);
-        light.plain = light.plain + microfacet_reflection(m, point * inverse).plain * share;
+        light.plain = light.plain + MicrofacetsText().microfacet_reflection(m, point * inverse).plain * share;
     }
     return light;
 }
@@ -152,7 +161,7 @@ double nanoseconds(const Inputs &inputs, float lowest, bool dielectric, const Me
                                      {-number(3), -number(4), number(5) + (lowest - 0.1F)},
                                      {-number(6), number(7), number(8) + (lowest - 0.1F)},
                                      {number(9), number(10), number(11) + (lowest - 0.1F)}};
-            const vec3 view = unit(vec3(number(12), number(13), number(14)));
+            const vec3 view = MicrofacetsText().unit(vec3(number(12), number(13), number(14)));
             const Reflection light = method(view, number(15), dielectric ? 1.0F + number(0) : Real(0.0F), corners);
             sum = sum + light.plain + light.fresnel;
         }

@@ -12,9 +12,28 @@ import harness
 import numpy as np
 from sfumato.gpu import shader as gpu_shader
 
-# Named in one place, in the order in which they build on each other.
-LIST = (harness.ROOT / "native" / "text" / "glsl_area_light.inc").read_text(encoding="utf-8")
-FILES = re.findall(r'#include "../../shaders/(.+)"', LIST)
+SHADERS = harness.ROOT / "shaders"
+
+
+def with_needs(*names: str) -> list[str]:
+    """Files of the text, each after the ones that it names under `needs`."""
+    files = {path.stem: path for path in SHADERS.rglob("*.glsl")}
+    order: list[str] = []
+
+    def add(name: str) -> None:
+        needs = re.search(r"^// needs: (.+)$", files[name].read_text(encoding="utf-8"), re.MULTILINE)
+        for need in needs[1].split() if needs else []:
+            add(need)
+        file = files[name].relative_to(SHADERS).as_posix()
+        if file not in order:
+            order.append(file)
+
+    for name in names:
+        add(name)
+    return order
+
+
+FILES = with_needs("edge_integrals", "outline", "microfacet_lights")
 NUMBERS = 20  # of a light, five texels: 12 of its shape, 3 of the view or the normal, 5 more
 
 MAIN = """

@@ -4,7 +4,7 @@
 #include "lights/area_light.hpp"
 #include "lights/light_kernels.hpp"
 #include "reference/area_light.hpp"
-#include "text/glsl.hpp"
+#include "text/integrals_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,10 +14,13 @@
 #include <random>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 namespace sfumato {
 namespace {
+
+using IntegralsText = text::IntegralsText<float>;
 
 using glm::dvec3;
 using glm::vec3;
@@ -39,7 +42,7 @@ Quad random_quad(std::mt19937 &generator) {
 }
 
 float diffuse(const vec3 &n, const Quad &q) {
-    return glsl::diffuse_quad(n, q[0], q[1], q[2], q[3]);
+    return IntegralsText().diffuse_quad(n, q[0], q[1], q[2], q[3]);
 }
 
 double exact(const Quad &quad, const dvec3 &axis, double exponent) {
@@ -89,7 +92,7 @@ TEST(DiffuseQuad, BelowTheHorizonGivesExactlyNothing) {
             v -= n * (top + 1e-6F);
         }
         EXPECT_EQ(diffuse(n, q), 0.0F);
-        EXPECT_EQ(glsl::diffuse_sphere(n, -n * 1.001F, 1.0F), 0.0F);
+        EXPECT_EQ(IntegralsText().diffuse_sphere(n, -n * 1.001F, 1.0F), 0.0F);
     }
 }
 
@@ -119,9 +122,9 @@ TEST(DiffuseSphere, IsItsOutlineAndOneInside) {
     for (int i = 0; i < 3000; ++i) {
         const vec3 centre(random_direction(generator)), n(random_direction(generator));
         const float radius = uniform(generator);
-        EXPECT_NEAR(glsl::diffuse_sphere(n, centre, radius), reference::cosine_power_of_sphere(centre, radius, n, 1.0),
-                    1e-6);
-        EXPECT_EQ(glsl::diffuse_sphere(n, centre * (0.99F * radius), radius), 1.0F);
+        EXPECT_NEAR(IntegralsText().diffuse_sphere(n, centre, radius),
+                    reference::cosine_power_of_sphere(centre, radius, n, 1.0), 1e-6);
+        EXPECT_EQ(IntegralsText().diffuse_sphere(n, centre * (0.99F * radius), radius), 1.0F);
     }
 }
 
@@ -129,7 +132,7 @@ TEST(DiffuseSphere, IsItsOutlineAndOneInside) {
 TEST(DiffuseSphere, HalfAboveTheHorizonIsPreciseHoweverSmall) {
     for (const float radius : {0.05F, 1e-2F, 1e-3F, 1e-4F}) {
         const double r = double{radius};
-        EXPECT_NEAR(glsl::diffuse_sphere({0, 0, 1}, {1, 0, 0}, radius) / (2.0 / (3.0 * PI) * r * r * r), 1.0,
+        EXPECT_NEAR(IntegralsText().diffuse_sphere({0, 0, 1}, {1, 0, 0}, radius) / (2.0 / (3.0 * PI) * r * r * r), 1.0,
                     r * r + 1e-5);
     }
 }
@@ -144,7 +147,7 @@ TEST(DiffuseEllipse, IsTheReferenceHorizonOrNot) {
         const dvec3 across = glm::normalize(glm::cross(axis, random_direction(generator)));
         const vec3 u(across * uniform(generator)), v(glm::cross(axis, across) * uniform(generator));
         const double expected = reference::cosine_power_of_ellipse(centre, u, v, n, 1.0);
-        EXPECT_NEAR(glsl::diffuse_ellipse(n, centre, u, v), expected, 3e-5);
+        EXPECT_NEAR(IntegralsText().diffuse_ellipse(n, centre, u, v), expected, 3e-5);
         cut += std::abs(dot(centre, n)) < std::hypot(dot(u, n), dot(v, n)) ? 1 : 0;
     }
     EXPECT_GT(cut, 500);
@@ -154,9 +157,9 @@ TEST(DiffuseEllipse, IsTheReferenceHorizonOrNot) {
 TEST(DiffuseEllipse, OfADiskOverheadIsTheTextbooks) {
     for (const float radius : {1e-4F, 1e-2F, 1.0F, 100.0F}) {
         const float expected = radius * radius / (1.0F + radius * radius);
-        EXPECT_NEAR(glsl::diffuse_ellipse({0, 0, 1}, {0, 0, 1}, {radius, 0, 0}, {0, radius, 0}) / expected, 1.0F,
-                    1e-5F);
-        EXPECT_NEAR(glsl::diffuse_ellipse({0, 0, 1}, {0, 0, -1}, {radius, 0, 0}, {0, radius, 0}), 0.0F, 0.0F);
+        EXPECT_NEAR(IntegralsText().diffuse_ellipse({0, 0, 1}, {0, 0, 1}, {radius, 0, 0}, {0, radius, 0}) / expected,
+                    1.0F, 1e-5F);
+        EXPECT_NEAR(IntegralsText().diffuse_ellipse({0, 0, 1}, {0, 0, -1}, {radius, 0, 0}, {0, radius, 0}), 0.0F, 0.0F);
     }
 }
 

@@ -2,7 +2,7 @@
 // How reflectance rises towards grazing angles: what optics fixes, what the judge says, and what rounding may do.
 #include "lights/microfacet.hpp"
 #include "reference/microfacet.hpp"
-#include "text/glsl.hpp"
+#include "text/microfacets_text.hpp"
 
 #include <array>
 #include <cmath>
@@ -14,6 +14,8 @@
 
 namespace sfumato {
 namespace {
+
+using MicrofacetsText = text::MicrofacetsText<float>;
 
 // Every curve: Schlick's, and from nearly no boundary to far beyond diamond.
 constexpr std::array<float, 9> INDICES{0.0F, 1.000001F, 1.001F, 1.05F, 1.2F, 1.45F, 2.0F, 10.0F, 1000.0F};
@@ -30,8 +32,8 @@ float cosine_at(int step) {
 
 TEST(FresnelShare, BeginsAtNothingAndEndsAtAll) {
     for (const float index : INDICES) {
-        EXPECT_NEAR(glsl::fresnel_share(1.0F, index), 0.0F, rounding(index)) << index;
-        EXPECT_NEAR(glsl::fresnel_share(0.0F, index), 1.0F, rounding(index)) << index;
+        EXPECT_NEAR(MicrofacetsText().fresnel_share(1.0F, index), 0.0F, rounding(index)) << index;
+        EXPECT_NEAR(MicrofacetsText().fresnel_share(0.0F, index), 1.0F, rounding(index)) << index;
         EXPECT_NEAR(reference::fresnel_share(1.0, index), 0.0, 1e-9) << index;
         EXPECT_NEAR(reference::fresnel_share(0.0, index), 1.0, 1e-9) << index;
     }
@@ -41,7 +43,7 @@ TEST(FresnelShare, RisesAllTheWayToGrazing) {
     for (const float index : INDICES) {
         float before = 2.0F;
         for (int step = 0; step <= STEPS; ++step) {
-            const float share = glsl::fresnel_share(cosine_at(step), index);
+            const float share = MicrofacetsText().fresnel_share(cosine_at(step), index);
             ASSERT_LE(share, before + rounding(index)) << index << " " << cosine_at(step);
             before = share;
         }
@@ -56,23 +58,23 @@ TEST(FresnelShare, BrewstersAngleLeavesOnePolarisation) {
         const double rest = (n * n - 1.0) / (n * n + 1.0), f0 = (n - 1.0) * (n - 1.0) / ((n + 1.0) * (n + 1.0));
         const double want = (0.5 * rest * rest - f0) / (1.0 - f0), cosine = 1.0 / std::sqrt(1.0 + n * n);
         EXPECT_NEAR(reference::fresnel_share(cosine, n), want, 1e-12);
-        EXPECT_NEAR(glsl::fresnel_share(static_cast<float>(cosine), static_cast<float>(n)), want, 1e-6);
+        EXPECT_NEAR(MicrofacetsText().fresnel_share(static_cast<float>(cosine), static_cast<float>(n)), want, 1e-6);
     }
 }
 
 TEST(FresnelShare, WithoutABoundaryNothingIsReflected) {
     for (int step = 0; step <= STEPS; ++step) {
-        EXPECT_EQ(glsl::fresnel_share(cosine_at(step), 1.0F), 0.0F);
+        EXPECT_EQ(MicrofacetsText().fresnel_share(cosine_at(step), 1.0F), 0.0F);
         EXPECT_EQ(reference::fresnel_share(cosine_at(step), 1.0), 0.0);
     }
     for (const double cosine : {0.05, 0.1, 0.5}) {
-        EXPECT_LT(glsl::fresnel_share(static_cast<float>(cosine), 1.0001F), 0.01F);
-        EXPECT_GT(glsl::fresnel_share(static_cast<float>(cosine), 1.0001F), 0.0F);
+        EXPECT_LT(MicrofacetsText().fresnel_share(static_cast<float>(cosine), 1.0001F), 0.01F);
+        EXPECT_GT(MicrofacetsText().fresnel_share(static_cast<float>(cosine), 1.0001F), 0.0F);
     }
 }
 
 TEST(FresnelShare, ZeroAsksForSchlicksFifthPower) {
-    EXPECT_NEAR(glsl::fresnel_share(0.5F, 0.0F), 1.0F / 32.0F, 1e-8F);
+    EXPECT_NEAR(MicrofacetsText().fresnel_share(0.5F, 0.0F), 1.0F / 32.0F, 1e-8F);
     EXPECT_NEAR(reference::fresnel_share(0.5, 0.0), 1.0 / 32.0, 1e-15);
 }
 
@@ -82,7 +84,8 @@ TEST(FresnelShare, RoundingStaysSmall) {
             // Evenly, and ever closer to grazing.
             for (const float cosine : {cosine_at(step), std::exp2(-0.02F * static_cast<float>(step))}) {
                 const double want = reference::fresnel_share(cosine, index);
-                ASSERT_NEAR(glsl::fresnel_share(cosine, index), want, rounding(index)) << index << " " << cosine;
+                ASSERT_NEAR(MicrofacetsText().fresnel_share(cosine, index), want, rounding(index))
+                    << index << " " << cosine;
             }
         }
     }

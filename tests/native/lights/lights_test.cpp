@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // shaders/lights/light.glsl: how lights fade, and the square of all directions.
 #include "support/reference_scenes.hpp"
-#include "text/glsl.hpp"
+#include "text/lights_text.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -14,9 +14,11 @@
 namespace sfumato {
 namespace {
 
+using LightsText = text::LightsText<float>;
+
 using namespace reference::testing;
 
-float distance(const glsl::Octahedral &a, const glsl::Octahedral &b) {
+float distance(const LightsText::Octahedral &a, const LightsText::Octahedral &b) {
     return std::hypot(a.x - b.x, a.y - b.y);
 }
 
@@ -40,20 +42,20 @@ std::vector<glm::vec3> directions() {
 
 TEST(Octahedral, HasADirectionForEachPlaceAndAPlaceForEachDirection) {
     for (const glm::vec3 &direction : directions()) {
-        const glsl::Octahedral place = glsl::octahedral(3.0F * direction); // of any length
+        const LightsText::Octahedral place = LightsText().octahedral(3.0F * direction); // of any length
         EXPECT_LE(std::max(std::abs(place.x), std::abs(place.y)), 1.0F);
-        EXPECT_LT(glm::distance(glsl::octahedral_direction(place), direction), 1e-6F);
+        EXPECT_LT(glm::distance(LightsText().octahedral_direction(place), direction), 1e-6F);
     }
     for (float x = -0.995F; x < 1.0F; x += 0.01F) {
         for (float y = -0.995F; y < 1.0F; y += 0.01F) {
-            const glm::vec3 direction = glsl::octahedral_direction({x, y});
+            const glm::vec3 direction = LightsText().octahedral_direction({x, y});
             EXPECT_NEAR(glm::length(direction), 1.0F, 1e-6F);
-            EXPECT_LT(distance(glsl::octahedral(direction), {x, y}), 1e-6F);
+            EXPECT_LT(distance(LightsText().octahedral(direction), {x, y}), 1e-6F);
         }
     }
-    EXPECT_EQ(glsl::octahedral({0, 0, 1}).x, 0.0F);
-    EXPECT_EQ(std::abs(glsl::octahedral({0, 0, -1}).x), 1.0F);
-    EXPECT_EQ(std::abs(glsl::octahedral({0, 0, -1}).y), 1.0F);
+    EXPECT_EQ(LightsText().octahedral({0, 0, 1}).x, 0.0F);
+    EXPECT_EQ(std::abs(LightsText().octahedral({0, 0, -1}).x), 1.0F);
+    EXPECT_EQ(std::abs(LightsText().octahedral({0, 0, -1}).y), 1.0F);
 }
 
 // Neighbours on the square are neighbours in space; neighbours in space are neighbours on the square, or both of them
@@ -65,39 +67,43 @@ TEST(Octahedral, KeepsNeighboursTogether) {
     for (const glm::vec3 &direction : directions()) {
         const glm::vec3 beside =
             glm::normalize(direction + glm::vec3(normal(generator), normal(generator), normal(generator)));
-        const glsl::Octahedral a = glsl::octahedral(direction), b = glsl::octahedral(beside);
+        const LightsText::Octahedral a = LightsText().octahedral(direction), b = LightsText().octahedral(beside);
         const float angle = glm::distance(direction, beside);
         if (distance(a, b) > 2.0F * angle) {
-            const auto border = [](const glsl::Octahedral &p) { return 1.0F - std::max(std::abs(p.x), std::abs(p.y)); };
+            const auto border = [](const LightsText::Octahedral &p) {
+                return 1.0F - std::max(std::abs(p.x), std::abs(p.y));
+            };
             EXPECT_LT(std::max(border(a), border(b)), 2.0F * angle);
             ++apart;
         }
-        const glsl::Octahedral moved{std::clamp(a.x + normal(generator), -1.0F, 1.0F),
-                                     std::clamp(a.y + normal(generator), -1.0F, 1.0F)};
-        EXPECT_LT(glm::distance(glsl::octahedral_direction(moved), direction), 3.0F * distance(moved, a) + 1e-6F);
+        const LightsText::Octahedral moved{std::clamp(a.x + normal(generator), -1.0F, 1.0F),
+                                           std::clamp(a.y + normal(generator), -1.0F, 1.0F)};
+        EXPECT_LT(glm::distance(LightsText().octahedral_direction(moved), direction),
+                  3.0F * distance(moved, a) + 1e-6F);
     }
     EXPECT_LT(apart, 200);
 }
 
 TEST(Falloff, IsTheInverseSquareFarAwayAndFiniteNearby) {
-    EXPECT_NEAR(glsl::falloff(100.0F, 0.01F), 0.01F, 2e-6F);
-    EXPECT_EQ(glsl::falloff(4.0F, 0.0F), 0.25F);
-    EXPECT_EQ(glsl::falloff(0.0F, 0.25F), 8.0F); // 2 pi times its radiance, 1 / (pi radius^2)
-    EXPECT_GT(glsl::falloff(1.0F, 0.1F), glsl::falloff(1.1F, 0.1F));
+    EXPECT_NEAR(LightsText().falloff(100.0F, 0.01F), 0.01F, 2e-6F);
+    EXPECT_EQ(LightsText().falloff(4.0F, 0.0F), 0.25F);
+    EXPECT_EQ(LightsText().falloff(0.0F, 0.25F), 8.0F); // 2 pi times its radiance, 1 / (pi radius^2)
+    EXPECT_GT(LightsText().falloff(1.0F, 0.1F), LightsText().falloff(1.1F, 0.1F));
 }
 
 TEST(SpotFade, RisesFromTheEdgeToTheAxis) {
     const float edge = std::cos(0.5F);
     for (const float blend : {0.0F, 0.15F, 0.5F, 1.0F}) {
-        EXPECT_EQ(glsl::spot_fade(1.0F, edge, blend), 1.0F) << blend;
-        EXPECT_EQ(glsl::spot_fade(edge, edge, blend), 0.0F) << blend;
-        EXPECT_EQ(glsl::spot_fade(-1.0F, edge, blend), 0.0F) << blend;
+        EXPECT_EQ(LightsText().spot_fade(1.0F, edge, blend), 1.0F) << blend;
+        EXPECT_EQ(LightsText().spot_fade(edge, edge, blend), 0.0F) << blend;
+        EXPECT_EQ(LightsText().spot_fade(-1.0F, edge, blend), 0.0F) << blend;
         const float inner = edge + blend * (1.0F - edge);
-        EXPECT_NEAR(glsl::spot_fade(inner + 1e-5F, edge, blend), 1.0F, 1e-5F) << blend;
-        EXPECT_NEAR(glsl::spot_fade(0.5F * (edge + inner), edge, blend), blend > 0.0F ? 0.5F : 0.0F, 1e-4F) << blend;
+        EXPECT_NEAR(LightsText().spot_fade(inner + 1e-5F, edge, blend), 1.0F, 1e-5F) << blend;
+        EXPECT_NEAR(LightsText().spot_fade(0.5F * (edge + inner), edge, blend), blend > 0.0F ? 0.5F : 0.0F, 1e-4F)
+            << blend;
         float last = 0.0F;
         for (float cosine = -1.0F; cosine <= 1.0F; cosine += 1e-3F) {
-            const float fade = glsl::spot_fade(cosine, edge, blend);
+            const float fade = LightsText().spot_fade(cosine, edge, blend);
             EXPECT_GE(fade, last) << blend;
             last = fade;
         }
@@ -113,7 +119,7 @@ TEST(SpotFade, IsThatOfTheReference) {
             for (float angle = 0.01F; angle < 3.14F; angle += 0.01F) {
                 const glm::dvec3 at(std::sin(angle), 0.0, -std::cos(angle));
                 const double expected = reference::light_samples(spot, at, 1).at(0).irradiance.x;
-                const float fade = glsl::spot_fade(std::cos(angle), std::cos(0.5F * cone), blend);
+                const float fade = LightsText().spot_fade(std::cos(angle), std::cos(0.5F * cone), blend);
                 EXPECT_NEAR(fade, expected, 2e-3) << cone << ", " << blend << ", " << angle; // blend 0.01 is steep
             }
         }
@@ -139,7 +145,8 @@ TEST(PointOnQuad, SharesTheAreaEvenly) {
                 double share = 0.0, expected = 0.0, all = 0.0;
                 for (int i = 0; i < SIDE * SIDE; ++i) {
                     const float u = (float(i % SIDE) + 0.5F) / SIDE, v = (float(i / SIDE) + 0.5F) / SIDE;
-                    share += inside(glsl::point_on_quad(c[0], c[1], c[2], c[3], u, v)) ? 1.0 / (SIDE * SIDE) : 0.0;
+                    share +=
+                        inside(LightsText().point_on_quad(c[0], c[1], c[2], c[3], u, v)) ? 1.0 / (SIDE * SIDE) : 0.0;
                 }
                 for (const reference::LightSample &sample : exact) {
                     const glm::dvec3 at = sample.towards * sample.distance;
@@ -153,24 +160,25 @@ TEST(PointOnQuad, SharesTheAreaEvenly) {
                 EXPECT_NEAR(share, expected / all, 4e-3) << corners[2].x << ", " << line.x << ", " << offset;
             }
         }
-        EXPECT_LT(glm::distance(glsl::point_on_quad(c[0], c[1], c[2], c[3], 0, 0), c[0]), 1e-6F);
-        EXPECT_LT(glm::distance(glsl::point_on_quad(c[0], c[1], c[2], c[3], 1, 0), c[1]), 1e-6F);
-        EXPECT_LT(glm::distance(glsl::point_on_quad(c[0], c[1], c[2], c[3], 0.3F, 1), c[3] + 0.3F * (c[2] - c[3])),
-                  0.3F);
+        EXPECT_LT(glm::distance(LightsText().point_on_quad(c[0], c[1], c[2], c[3], 0, 0), c[0]), 1e-6F);
+        EXPECT_LT(glm::distance(LightsText().point_on_quad(c[0], c[1], c[2], c[3], 1, 0), c[1]), 1e-6F);
+        EXPECT_LT(
+            glm::distance(LightsText().point_on_quad(c[0], c[1], c[2], c[3], 0.3F, 1), c[3] + 0.3F * (c[2] - c[3])),
+            0.3F);
     }
-    EXPECT_EQ(glsl::linear_quantile(0.25F, 1.0F, 1.0F), 0.25F);
-    EXPECT_EQ(glsl::linear_quantile(0.25F, 0.0F, 1.0F), 0.5F);
-    EXPECT_EQ(glsl::linear_quantile(0.0F, 0.0F, 1.0F), 0.0F);
+    EXPECT_EQ(LightsText().linear_quantile(0.25F, 1.0F, 1.0F), 0.25F);
+    EXPECT_EQ(LightsText().linear_quantile(0.25F, 0.0F, 1.0F), 0.5F);
+    EXPECT_EQ(LightsText().linear_quantile(0.0F, 0.0F, 1.0F), 0.0F);
 }
 
 TEST(SpreadFade, LeavesAllWithoutAGridAndNothingBeyondIt) {
     for (float angle = 0.0F; angle < 3.14F; angle += 0.01F) {
         const float cosine = std::cos(angle);
-        EXPECT_EQ(glsl::spread_fade(cosine, 0.0F), cosine > 0.0F ? 1.0F : 0.0F) << angle;
-        const float half = 0.4F, fade = glsl::spread_fade(cosine, 1.0F / std::tan(half));
+        EXPECT_EQ(LightsText().spread_fade(cosine, 0.0F), cosine > 0.0F ? 1.0F : 0.0F) << angle;
+        const float half = 0.4F, fade = LightsText().spread_fade(cosine, 1.0F / std::tan(half));
         EXPECT_NEAR(fade, angle < half ? 1.0F - std::tan(angle) / std::tan(half) : 0.0F, 1e-3F) << angle;
     }
-    EXPECT_EQ(glsl::spread_fade(1.0F, 1.0F / std::tan(0.4F)), 1.0F);
+    EXPECT_EQ(LightsText().spread_fade(1.0F, 1.0F / std::tan(0.4F)), 1.0F);
 }
 
 TEST(SpreadFade, IsThatOfTheReference) {
@@ -183,7 +191,7 @@ TEST(SpreadFade, IsThatOfTheReference) {
             const double expected = reference::light_samples(lamp, at, 1).at(0).irradiance.x / 4e-6;
             const float cosine = std::cos(angle);
             // A cosine in single precision knows a small angle to 3e-4 only.
-            EXPECT_NEAR(std::max(cosine, 0.0F) * glsl::spread_fade(cosine, cotangent), expected, 1e-4)
+            EXPECT_NEAR(std::max(cosine, 0.0F) * LightsText().spread_fade(cosine, cotangent), expected, 1e-4)
                 << spread << ", " << angle;
         }
     }

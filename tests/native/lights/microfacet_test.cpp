@@ -3,7 +3,7 @@
 #include "lights/light_kernels.hpp"
 #include "lights/microfacet.hpp"
 #include "reference/microfacet.hpp"
-#include "text/glsl_double.hpp"
+#include "text/microfacets_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -18,6 +18,8 @@
 
 namespace sfumato {
 namespace {
+
+using Precise = text::MicrofacetsText<double>;
 
 using glm::dvec3;
 using Pair = std::array<double, 2>;
@@ -442,9 +444,9 @@ TEST(Microfacet, ThePowersOfAnArcAreItsIntegrals) {
     for (int k = 0; k < 200; ++k) {
         const Surface s = seen(1.0, 1.0, 0.03 + 0.97 * uniform(random), 6.28 * uniform(random));
         const dvec3 stretch(1.0 / std::pow(0.03, uniform(random)), 1.0 / std::pow(0.03, uniform(random)), 1.0);
-        const glsl_double::HalfArc arc = glsl_double::great_arc(s.view, stretch, direction(), direction());
-        const auto peaks = glsl_double::with_angles(arc, glsl_double::peaks_of(arc));
-        const glsl_double::Powers mine = glsl_double::powers_of(arc, peaks);
+        const Precise::HalfArc arc = Precise().great_arc(s.view, stretch, direction(), direction());
+        const auto peaks = Precise().with_angles(arc, Precise().peaks_of(arc));
+        const Precise::Powers mine = Precise().powers_of(arc, peaks);
         constexpr int STEPS = 200'000;
         const double step = (arc.high - arc.low) / STEPS;
         std::array<double, 3> want{};

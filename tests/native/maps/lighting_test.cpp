@@ -3,7 +3,7 @@
 #include "maps/lighting.hpp"
 #include "solids/surfaces.hpp"
 #include "support/reference_scenes.hpp"
-#include "text/glsl.hpp"
+#include "text/lights_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,8 @@
 
 namespace sfumato {
 namespace {
+
+using LightsText = text::LightsText<float>;
 
 using reference::testing::area_light;
 using reference::testing::KITE;
@@ -94,7 +96,7 @@ double error(const Scene &scene, int samples, unsigned per_axis) {
                 }
                 const glm::dvec3 across = at - glm::dvec3(view.position);
                 const bool sun = light.kind == Light::Kind::SUN;
-                const float falloff = sun ? 1.0F : glsl::falloff(float(glm::dot(across, across)), view.size2);
+                const float falloff = sun ? 1.0F : LightsText().falloff(float(glm::dot(across, across)), view.size2);
                 for (int c = 0; c < 3; ++c) {
                     const float share = values[lit.grey ? 1 : 3], depth = values[lit.grey ? 0 : c];
                     const double arriving = double{light.strength[c] * falloff * share * std::exp(-depth)};

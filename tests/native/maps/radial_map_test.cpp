@@ -3,7 +3,7 @@
 #include "maps/light_map.hpp"
 #include "solids/surfaces.hpp"
 #include "support/reference_scenes.hpp"
-#include "text/glsl.hpp"
+#include "text/lights_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,8 @@
 
 namespace sfumato {
 namespace {
+
+using LightsText = text::LightsText<float>;
 
 using reference::testing::oblique_grid;
 using reference::testing::parallelogram;
@@ -225,7 +227,8 @@ TEST(RadialMap, KnowsTheFirstSolidOnEachOfItsRays) {
             const int x = int(i) % map.size.x, y = int(i) / map.size.x;
             const glm::dvec2 share((x + 0.5) / map.size.x, (y + 0.5) / map.size.y);
             const glm::dvec2 at = glm::mix(glm::dvec2(map.low), glm::dvec2(map.high), share);
-            const glm::dvec3 direction = to_world * glm::dvec3(glsl::octahedral_direction({float(at.x), float(at.y)}));
+            const glm::dvec3 direction =
+                to_world * glm::dvec3(LightsText().octahedral_direction({float(at.x), float(at.y)}));
             const auto hit = reference::first_hit(scene, light, glm::normalize(direction), 1e6);
             if (hit) {
                 const double depth = (hit->distance - map.low.z) / (map.high.z - map.low.z);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // shaders/media/medium.glsl and shaders/media/phase.glsl: light scattered once, against closed forms.
 #include "reference/reference.hpp"
-#include "text/glsl.hpp"
+#include "text/media_text.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -11,6 +11,8 @@
 namespace sfumato {
 namespace {
 
+using MediaText = text::MediaText<float>;
+
 // A homogeneous slab of optical depth tau, cut into equal steps. The light has crossed tau_light(x) when it arrives
 // at optical depth x from the eye.
 template <typename TauLight>
@@ -19,7 +21,7 @@ double scattered(double tau, int steps, const TauLight &tau_light, float albedo 
     const auto step = float(tau / steps);
     for (int k = 0; k < steps; ++k) {
         const double middle = tau * (k + 0.5) / steps;
-        sum += glsl::scattered_by_step(albedo * step, step, tau_eye, float(tau_light(middle)));
+        sum += MediaText().scattered_by_step(albedo * step, step, tau_eye, float(tau_light(middle)));
         tau_eye += step;
     }
     return double{sum};
@@ -67,15 +69,15 @@ TEST(March, StraightOnCrossesTheSlabOnce) {
 }
 
 TEST(MarchSteps, AreNoLongerThanAskedAndNoMoreThanNeeded) {
-    EXPECT_EQ(glsl::march_steps(0.0F, 0.1F), 1.0F);
-    EXPECT_EQ(glsl::march_steps(0.05F, 0.1F), 1.0F);
+    EXPECT_EQ(MediaText().march_steps(0.0F, 0.1F), 1.0F);
+    EXPECT_EQ(MediaText().march_steps(0.05F, 0.1F), 1.0F);
     float sum = 0.0F;
     for (int steps = 1; steps <= 100; ++steps) {
         sum += 0.1F;
-        EXPECT_EQ(glsl::march_steps(sum, 0.1F), float(steps)); // not one more for a rounding error
+        EXPECT_EQ(MediaText().march_steps(sum, 0.1F), float(steps)); // not one more for a rounding error
     }
     for (float stretch = 0.01F; stretch < 7.0F; stretch *= 1.07F) {
-        const float steps = glsl::march_steps(stretch, 0.1F);
+        const float steps = MediaText().march_steps(stretch, 0.1F);
         EXPECT_LE(stretch / steps, 0.1F * 1.002F) << stretch;
         EXPECT_GE(stretch / 0.1F, steps - 1.0F) << stretch;
     }
@@ -88,7 +90,7 @@ TEST(HenyeyGreenstein, IsNormalisedAndItsMeanCosineIsG) {
         for (int i = 0; i < count; ++i) {
             const double cosine = -1.0 + 2.0 * (i + 0.5) / count;
             const double ring = 2.0 * std::numbers::pi * (2.0 / count);
-            const double p = double{glsl::henyey_greenstein(float(cosine), g)};
+            const double p = double{MediaText().henyey_greenstein(float(cosine), g)};
             EXPECT_NEAR(p, reference::henyey_greenstein(double{float(cosine)}, double{g}), 2e-5 * p);
             total += ring * p;
             mean += ring * p * cosine;

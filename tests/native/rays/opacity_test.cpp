@@ -3,7 +3,7 @@
 #include "rays/opacity.hpp"
 #include "reference/reference.hpp"
 #include "text/dispatch.hpp"
-#include "text/glsl.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,8 @@
 
 namespace sfumato {
 namespace {
+
+using RaysText = text::RaysText<float>;
 
 struct Fragments {
     std::vector<float> depth;
@@ -33,7 +35,7 @@ Fragments random_fragments(int count, unsigned seed) {
     Fragments fragments;
     for (int i = 0; i < count; ++i) {
         const float depth = uniform(generator);
-        fragments.add(depth, glsl::optical_depth_of(uniform(generator)));
+        fragments.add(depth, RaysText().optical_depth_of(uniform(generator)));
     }
     return fragments;
 }
@@ -102,10 +104,10 @@ TEST(Series, TurnsWhenTheSmokeMoves) {
 TEST(Transmittance, StaysBetweenThatOfAllAbsorbersAndOne) {
     for (unsigned seed = 0; seed < 50; ++seed) {
         Fragments ray = random_fragments(3, seed);
-        ray.add(0.5F, glsl::optical_depth_of(1.0F));
+        ray.add(0.5F, RaysText().optical_depth_of(1.0F));
         for (const std::size_t count : {3U, 7U, 31U}) {
             const std::vector<float> series = series_of(ray, count);
-            const float least = transmittance(series, 1.0F), all = glsl::transmittance_of(0.5F * series[0]);
+            const float least = transmittance(series, 1.0F), all = RaysText().transmittance_of(0.5F * series[0]);
             EXPECT_NEAR(least, all, 1e-6F * all); // two exponentials
             for (int i = 0; i <= 200; ++i) {
                 const float t = transmittance(series, float(i) / 200.0F);
@@ -127,7 +129,7 @@ double error_in_smoke(std::size_t count) {
         Fragments ray;
         for (int i = 0; i < 64; ++i) {
             const double depth = std::clamp(centre + width * normal(generator), 0.001, 0.999);
-            ray.add(float(depth), glsl::optical_depth_of(float(0.03 + 0.04 * uniform(generator))));
+            ray.add(float(depth), RaysText().optical_depth_of(float(0.03 + 0.04 * uniform(generator))));
         }
         const std::vector<float> series = series_of(ray, count);
         for (int k = 0; k < 65; ++k) {
@@ -159,11 +161,12 @@ TEST(SlabFactor, IsTheMeanOverTheSlab) {
                 const double z = 0.4 + double{width} * ((i + 0.5) / 10'000 - 0.5);
                 mean += std::cos(2.0 * std::numbers::pi * double{k} * z) / 10'000;
             }
-            const float centre = glsl::harmonic(k, 0.4F).cosine;
-            EXPECT_NEAR(glsl::slab_factor(k, width) * centre, mean, 2e-5) << "width " << width << ", harmonic " << k;
+            const float centre = RaysText().harmonic(k, 0.4F).cosine;
+            EXPECT_NEAR(RaysText().slab_factor(k, width) * centre, mean, 2e-5)
+                << "width " << width << ", harmonic " << k;
         }
     }
-    EXPECT_NEAR(glsl::slab_factor(31.0F, 0.0F), 1.0F, 1e-7);
+    EXPECT_NEAR(RaysText().slab_factor(31.0F, 0.0F), 1.0F, 1e-7);
 }
 
 // The angle 2 pi z is rounded once, by up to 2.4e-7, and each step turns by that much too far or not far enough.
@@ -172,13 +175,13 @@ TEST(Harmonics, FromAngleSumsAreTheHarmonics) {
     std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
     for (int i = 0; i < 1000; ++i) {
         const float z = uniform(generator);
-        const glsl::Harmonic first = glsl::harmonic(1.0F, z);
-        glsl::Harmonic h = first;
+        const RaysText::Harmonic first = RaysText().harmonic(1.0F, z);
+        RaysText::Harmonic h = first;
         for (int k = 1; k <= 31; ++k) {
             const double angle = 2.0 * std::numbers::pi * k * double{z};
             EXPECT_NEAR(h.cosine, std::cos(angle), 5e-7 * k) << "harmonic " << k << " at " << z;
             EXPECT_NEAR(h.sine, std::sin(angle), 5e-7 * k) << "harmonic " << k << " at " << z;
-            h = glsl::next_harmonic(h, first);
+            h = RaysText().next_harmonic(h, first);
         }
     }
 }
@@ -187,27 +190,27 @@ TEST(Harmonics, FromAngleSumsAreTheHarmonics) {
 TEST(SelfShare, IsTheSeriesOfAReceiverAtItsOwnDepth) {
     for (int i = 0; i <= 100; ++i) {
         const float z = float(i) / 100.0F;
-        const glsl::Harmonic first = glsl::harmonic(1.0F, z);
-        glsl::Harmonic h = first;
+        const RaysText::Harmonic first = RaysText().harmonic(1.0F, z);
+        RaysText::Harmonic h = first;
         float found = z;
         double wanted = double{z};
         for (int k = 1; k <= 7; ++k) {
             const double angle = 2.0 * std::numbers::pi * k * double{z};
             const double a = 2.0 * std::cos(angle), b = 2.0 * std::sin(angle);
             wanted += (a * std::sin(angle) + b * (1.0 - std::cos(angle))) / (2.0 * std::numbers::pi * k);
-            found += glsl::self_harmonic(h, float(k));
+            found += RaysText().self_harmonic(h, float(k));
             EXPECT_NEAR(found, wanted, 3e-6) << "harmonic " << k << " at " << z;
-            h = glsl::next_harmonic(h, first);
+            h = RaysText().next_harmonic(h, first);
         }
     }
 }
 
 TEST(OpticalDepth, IsUndoneByTransmittanceAndFiniteForTheOpaque) {
-    EXPECT_EQ(glsl::optical_depth_of(0.0F), 0.0F);
+    EXPECT_EQ(RaysText().optical_depth_of(0.0F), 0.0F);
     for (const float alpha : {0.01F, 0.3F, 0.5F, 0.9F, 0.999F}) {
-        EXPECT_NEAR(glsl::transmittance_of(glsl::optical_depth_of(alpha)), 1.0F - alpha, 1e-6) << alpha;
+        EXPECT_NEAR(RaysText().transmittance_of(RaysText().optical_depth_of(alpha)), 1.0F - alpha, 1e-6) << alpha;
     }
-    EXPECT_NEAR(glsl::optical_depth_of(1.0F), 20.0 * std::numbers::ln2, 0.05);
+    EXPECT_NEAR(RaysText().optical_depth_of(1.0F), 20.0 * std::numbers::ln2, 0.05);
 }
 
 TEST(InstructionSets, AreListedWithTheWidestLast) {

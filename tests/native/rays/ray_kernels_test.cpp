@@ -3,7 +3,6 @@
 #include "rays/curve.hpp"
 #include "rays/ray_kernels.hpp"
 #include "support/ray_profiles.hpp"
-#include "text/glsl.hpp"
 
 #include <array>
 #include <cstring>

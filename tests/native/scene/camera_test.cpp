@@ -2,7 +2,7 @@
 // shaders/camera.glsl and native/scene/camera.cpp: rays, and where they are inside a box.
 #include "scene/camera.hpp"
 #include "scene/scene.hpp"
-#include "text/glsl.hpp"
+#include "text/camera_text.hpp"
 
 #include <cmath>
 #include <limits>
@@ -17,9 +17,11 @@
 namespace sfumato {
 namespace {
 
-glsl::Ray ray_of(const Camera &camera, float u, float v) {
-    return glsl::camera_ray(camera.near[0], camera.near[1], camera.near[2], camera.far[0], camera.far[1], camera.far[2],
-                            u, v);
+using CameraText = text::CameraText<float>;
+
+CameraText::Ray ray_of(const Camera &camera, float u, float v) {
+    return CameraText().camera_ray(camera.near[0], camera.near[1], camera.near[2], camera.far[0], camera.far[1],
+                                   camera.far[2], u, v);
 }
 
 const glm::dmat4 view = glm::lookAt(glm::dvec3(3.0, -7.0, 2.0), glm::dvec3(0.5, 0.0, 1.0), glm::dvec3(0.0, 0.0, 1.0));
@@ -35,7 +37,7 @@ TEST(Camera, RaysPassThroughWhatIsProjectedOnThem) {
         for (int i = 0; i < 100; ++i) {
             const glm::dvec3 point(uniform(generator), uniform(generator), 1.0 + uniform(generator));
             const glm::dvec4 clip = matrix * glm::dvec4(point, 1.0);
-            const glsl::Ray ray =
+            const CameraText::Ray ray =
                 ray_of(camera, float(0.5 + 0.5 * clip.x / clip.w), float(0.5 + 0.5 * clip.y / clip.w));
             EXPECT_NEAR(glm::length(ray.direction), 1.0, 1e-6);
             const double along = glm::dot(point - glm::dvec3(ray.origin), glm::dvec3(ray.direction));
@@ -49,7 +51,7 @@ TEST(Camera, RaysPassThroughWhatIsProjectedOnThem) {
 TEST(Camera, ReachesFromTheNearPlaneToTheFarPlane) {
     const glm::dvec3 eye(3.0, -7.0, 2.0), forward = glm::normalize(glm::dvec3(0.5, 0.0, 1.0) - eye);
     for (const glm::dmat4 &matrix : {perspective, orthographic}) {
-        const glsl::Ray ray = ray_of(camera_from(matrix), 0.9F, 0.2F);
+        const CameraText::Ray ray = ray_of(camera_from(matrix), 0.9F, 0.2F);
         EXPECT_NEAR(glm::dot(glm::dvec3(ray.origin) - eye, forward), 0.1, 1e-5);
         EXPECT_NEAR(glm::dot(glm::dvec3(ray.origin) - eye + double{ray.reach} * glm::dvec3(ray.direction), forward),
                     1000.0, 1e-2);
@@ -68,31 +70,31 @@ TEST(Camera, RefusesMatricesWithoutRays) {
 constexpr float FAR_AWAY = 1000.0F;
 const glm::vec3 box(2.0F, 3.0F, 4.0F);
 
-glsl::Interval clip(const glm::vec3 &origin, const glm::vec3 &direction, float reach = FAR_AWAY) {
-    return glsl::clip_to_box({0.0F, reach}, origin, direction, box);
+CameraText::Interval clip(const glm::vec3 &origin, const glm::vec3 &direction, float reach = FAR_AWAY) {
+    return CameraText().clip_to_box({0.0F, reach}, origin, direction, box);
 }
 
 TEST(ClipToBox, IsWhereARayAlongAnAxisIsInside) {
-    const glsl::Interval through = clip({1.0F, -5.0F, 1.0F}, {0.0F, 1.0F, 0.0F});
+    const CameraText::Interval through = clip({1.0F, -5.0F, 1.0F}, {0.0F, 1.0F, 0.0F});
     EXPECT_NEAR(through.near_t, 5.0F, 1e-5);
     EXPECT_NEAR(through.far_t, 8.0F, 1e-5);
-    const glsl::Interval backwards = clip({1.0F, 1.0F, 10.0F}, {0.0F, 0.0F, -1.0F});
+    const CameraText::Interval backwards = clip({1.0F, 1.0F, 10.0F}, {0.0F, 0.0F, -1.0F});
     EXPECT_NEAR(backwards.near_t, 6.0F, 1e-5);
     EXPECT_NEAR(backwards.far_t, 10.0F, 1e-5);
-    const glsl::Interval cut = clip({1.0F, -5.0F, 1.0F}, {0.0F, 1.0F, 0.0F}, 6.0F);
+    const CameraText::Interval cut = clip({1.0F, -5.0F, 1.0F}, {0.0F, 1.0F, 0.0F}, 6.0F);
     EXPECT_EQ(cut.far_t, 6.0F);
-    const glsl::Interval face = clip({0.0F, -5.0F, 0.0F}, {0.0F, 1.0F, 0.0F}); // along an edge: never a NaN
+    const CameraText::Interval face = clip({0.0F, -5.0F, 0.0F}, {0.0F, 1.0F, 0.0F}); // along an edge: never a NaN
     EXPECT_FALSE(std::isnan(face.near_t) || std::isnan(face.far_t));
 }
 
 TEST(ClipToBox, StartsAtTheOriginWhenThatIsInside) {
-    const glsl::Interval inside = clip({1.0F, 1.0F, 1.0F}, {1.0F, 0.0F, 0.0F});
+    const CameraText::Interval inside = clip({1.0F, 1.0F, 1.0F}, {1.0F, 0.0F, 0.0F});
     EXPECT_EQ(inside.near_t, 0.0F);
     EXPECT_NEAR(inside.far_t, 1.0F, 1e-6);
 }
 
 TEST(ClipToBox, IsEmptyForMisses) {
-    const auto empty = [](const glsl::Interval &interval) { return interval.near_t >= interval.far_t; };
+    const auto empty = [](const CameraText::Interval &interval) { return interval.near_t >= interval.far_t; };
     EXPECT_TRUE(empty(clip({2.5F, -5.0F, 1.0F}, {0.0F, 1.0F, 0.0F})));       // beside
     EXPECT_TRUE(empty(clip({1.0F, 5.0F, 1.0F}, {0.0F, 1.0F, 0.0F})));        // behind
     EXPECT_TRUE(empty(clip({1.0F, -5.0F, 1.0F}, {0.0F, 1.0F, 0.0F}, 4.0F))); // out of reach
@@ -110,7 +112,7 @@ TEST(ClipToBox, AgreesWithThePointsOfRandomRays) {
             return glm::vec3(x, y, z);
         };
         const glm::vec3 origin = 0.5F * box + 5.0F * random(), direction = glm::normalize(random());
-        const glsl::Interval interval = clip(origin, direction);
+        const CameraText::Interval interval = clip(origin, direction);
         for (int k = 0; k < 50; ++k) {
             const float t = 0.3F * (float(k) + 0.5F);
             const glm::vec3 p = origin + t * direction;
