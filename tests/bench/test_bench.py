@@ -197,10 +197,12 @@ def test_heavy_targets_are_told_for_the_rows_that_are_there() -> None:
         "trail: bytes 260 MiB, wanted at most 130: missed",
         "plume: error 0.43 %, wanted at most 0.86: reached",
     ]
+    without_loop = [row for row in rows if row["method"] != "bare-loop"]
+    assert not any(remark.startswith("instances-20000") for remark in heavy_targets.remarks(without_loop))
 
 
 def test_heavy_rows_are_medians_of_processes() -> None:
-    answers = [{"seconds": s, "again": None, "bytes": 10 * s, "error": 0.1 * s} for s in (3.0, 1.0, 2.0)]
+    answers = [{"seconds": s, "again": None, "bytes": 10 * s, "error": 0.1 * s} for s in (4.0, 1.0, 2.0)]
     row = bench_heavy.row_of("plume", "sfumato", answers)
     assert (row["seconds"], row["bytes"], row["again"]) == (2.0, 20, None) and row["error"] == pytest.approx(0.2)
 
