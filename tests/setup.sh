@@ -66,7 +66,7 @@ cached() {
 
 # From here on Blender keeps its preferences, caches and temporary files in build/, and finds the built add-on there.
 # Blender is the one that the PATH shows first; but /usr/bin is first for it, since Debian's Blender takes the folders of
-# the first python3 there, and finds no NumPy where that is another one's, such as conda's.
+# the first python3.11 (its own version) there, and finds no NumPy where that is another one's, such as conda's.
 use_built_addon() {
     blender=$(type -P blender)
     export PATH=/usr/bin:$PATH

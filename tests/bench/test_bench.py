@@ -1,12 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The arithmetic behind the benchmark's speed-up."""
+"""The arithmetic behind the benchmark's speed-up, and how Blender is started, watched and ended."""
 
 from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import pytest
 
 from bench import growth, light_remarks, seconds_at_error, table
 from bench_rows import CostRow, LightRow, RayRow, Row
+from blender_run import ROOT, run_script
+
+PLUME = ROOT / "blend_samples" / "plume.blend"
+
+
+def program(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    path.chmod(0o755)
 
 
 def noisy_rows(samples: list[int]) -> list[Row]:
@@ -144,3 +160,42 @@ def test_growth_is_told_for_each_series_and_for_empty_space() -> None:
         "128^3, map-256: 8.00 times the occupied cells of 64^3, map-128, in 8.00 times the time: exponent 1.00",
         "64^3 in 256^3, map-512: 1.25 times the time without the empty space",
     ]
+
+
+def test_blender_finds_numpy_beside_a_foreign_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As conda's or pyenv's is, first in the PATH and with folders of its own. Without /usr/bin before it Blender takes
+    them."""
+    name = f"python3.{sys.version_info.minor}"
+    for python in ("python3", name):
+        program(tmp_path / "bin" / python, "#!/bin/sh\nexit 1\n")
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / name).symlink_to(os.__file__.rpartition("/")[0])
+    monkeypatch.setenv("PATH", f"{tmp_path / 'bin'}:{os.environ['PATH']}")
+    script = tmp_path / "script.py"
+    script.write_text("import numpy\nprint(numpy.arange(3))\n", encoding="utf-8")
+    assert "[0 1 2]" in run_script(PLUME, script)
+    by_shell = 'source tests/setup.sh; use_built_addon; exec "$blender" -b --python-exit-code 3 --python "$0"'
+    done = subprocess.run(["bash", "-c", by_shell, script], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "[0 1 2]" in done.stdout
+
+
+def test_an_interrupted_benchmark_ends_blender_too(tmp_path: Path) -> None:
+    """And what a script says of its progress is passed on before the end."""
+    pid = tmp_path / "pid"
+    program(tmp_path / "blender", f"#!/bin/sh\necho $$ >{pid}\necho 'bench: one'\necho noise\nexec sleep 60\n")
+    bench = subprocess.Popen(
+        [sys.executable, ROOT / "tests" / "bench.py", "cycles"],
+        env=os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert bench.stderr is not None
+    assert bench.stderr.readline() == "bench: one\n"
+    bench.send_signal(signal.SIGINT)
+    assert bench.stderr.readline() == "cycles: interrupted\n"
+    assert bench.wait(10) == 130
+    for _ in range(50):
+        if not Path(f"/proc/{pid.read_text().strip()}").exists():
+            return
+        time.sleep(0.1)
+    raise AssertionError("Blender is still there")
