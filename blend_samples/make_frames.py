@@ -54,6 +54,10 @@ def wisp(domain: bpy.types.FluidDomainSettings) -> None:
     bpy.context.object.field.size = 0.7
 
 
+def nothing(_: object) -> None:
+    pass
+
+
 def bake(name: str, furnish: Callable[[bpy.types.FluidDomainSettings], None]) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.mesh.primitive_cube_add(size=3.0, location=(0.0, 0.0, 1.5))
@@ -71,7 +75,7 @@ def bake(name: str, furnish: Callable[[bpy.types.FluidDomainSettings], None]) ->
     with tempfile.TemporaryDirectory() as folder:
         domain.cache_directory = folder
         # Each operator updates the scene, and Blender 3.4's first update of a domain often fails: see make.py.
-        for attempt in (furnish, lambda _: None):
+        for attempt in (furnish, nothing):
             try:
                 attempt(domain)
                 bpy.context.view_layer.update()

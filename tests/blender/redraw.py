@@ -21,8 +21,8 @@ import bpy
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import harness  # noqa: E402
 import screen  # noqa: E402
-from mathutils import Quaternion  # noqa: E402
-from sfumato import log  # noqa: E402
+from mathutils import Quaternion, Vector  # noqa: E402
+from sfumato import log  # type: ignore[attr-defined]  # noqa: E402
 
 ROUNDS, REDRAWS = 3, 10
 EEVEE = "BLENDER_EEVEE"
@@ -84,7 +84,7 @@ def measure() -> Iterator[None]:
     space.lens, space.region_3d.view_perspective = 50.0, "PERSP"
     space.region_3d.view_rotation = camera.to_quaternion()
     space.region_3d.view_distance = 9.0
-    space.region_3d.view_location = camera.translation - camera.to_quaternion() @ harness.Vector((0.0, 0.0, 9.0))
+    space.region_3d.view_location = camera.translation - camera.to_quaternion() @ Vector((0.0, 0.0, 9.0))
     rivals: dict[str, Callable[[], None]] = {
         "EEVEE": eevee,
         "Sfumato, Rendered": sfumato_rendered,
