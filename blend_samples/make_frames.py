@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write frames/fire.vdb, collision.vdb and wisp.vdb: single Mantaflow frames, density only, for the benchmark of light maps.
 
-Run with:  blender -b --factory-startup --python-exit-code 3 --python blend_samples/make_frames.py
+Run with:  PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 3 --python blend_samples/make_frames.py
 It needs pyopenvdb (Debian: python3-openvdb) and takes about a minute.
 """
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How long a redraw of the 3D viewport takes: EEVEE with volumetric shadows against Sfumato, on the sample's plume.
 
-    xvfb-run -a blender --window-geometry 0 0 776 497 --factory-startup --addons sfumato --python tests/blender/redraw.py
+    PATH=/usr/bin:$PATH xvfb-run -a blender --window-geometry 0 0 776 497 --factory-startup --addons sfumato --python tests/blender/redraw.py
 
 Every redraw sees a camera that has moved a little, so that nothing is kept from the last one; EEVEE takes one sample.
 The rivals take turns, so that whatever else the machine does meets all of them. Prints medians and their ratios; a
