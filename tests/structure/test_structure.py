@@ -128,3 +128,13 @@ def test_every_source_states_its_licence() -> None:
         str(path) for path in sources() if "SPDX-License-Identifier: GPL-3.0-or-later" not in path.read_text()[:200]
     ]
     assert not silent
+
+
+def test_files_that_the_documentation_names_are_there() -> None:
+    named = re.compile(r"`((?:addon|blend_samples|docs|native|shaders|tests)/[\w./-]*|\.ci/run)[^`]*`|\]\(([\w./]+)\)")
+    missing = []
+    for page in [ROOT / "README.md", ROOT / "ARCHITECTURE.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        for ours, link in named.findall(page.read_text(encoding="utf-8")):
+            if not (ROOT / ours if ours else page.parent / link).exists():
+                missing.append(f"{page.name}: {ours or link}")
+    assert not missing, "\n".join(missing)
