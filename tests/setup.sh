@@ -61,6 +61,7 @@ cached() {
             rm -rf --one-file-system "$part" && mkdir "$part" && "$@" "$part" 9>&- && mv "$part" "$place"
         ) 9>"$place.lock" || return 1
     fi
+    # shellcheck disable=SC2034 # read by the caller
     cached=$place
 }
 
@@ -68,6 +69,7 @@ cached() {
 # Blender is the one that the PATH shows first; but /usr/bin is first for it, since Debian's Blender takes the folders of
 # the first python3.11 (its own version) there, and finds no NumPy where that is another one's, such as conda's.
 use_built_addon() {
+    # shellcheck disable=SC2034 # read by the scripts that source this file
     blender=$(type -P blender)
     export PATH=/usr/bin:$PATH
     local home=$build/blender
