@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write plume.blend: a Mantaflow plume that shades a floor, a block and a ball, and its cache beside it.
 
-Run with:  blender -b --factory-startup --python-exit-code 3 --python blend_samples/make.py
+Run with:  PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 3 --python blend_samples/make.py
 It needs pyopenvdb (Debian: python3-openvdb) and takes about half a minute.
 """
 

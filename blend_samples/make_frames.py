@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write frames/fire.vdb, collision.vdb and wisp.vdb: single Mantaflow frames, density only, for the benchmark of light maps.
 
-Run with:  blender -b --factory-startup --python-exit-code 3 --python blend_samples/make_frames.py
+Run with:  PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 3 --python blend_samples/make_frames.py
 It needs pyopenvdb (Debian: python3-openvdb) and takes about a minute.
 """
 
@@ -54,6 +54,10 @@ def wisp(domain: bpy.types.FluidDomainSettings) -> None:
     bpy.context.object.field.size = 0.7
 
 
+def nothing(_: object) -> None:
+    pass
+
+
 def bake(name: str, furnish: Callable[[bpy.types.FluidDomainSettings], None]) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.mesh.primitive_cube_add(size=3.0, location=(0.0, 0.0, 1.5))
@@ -71,7 +75,7 @@ def bake(name: str, furnish: Callable[[bpy.types.FluidDomainSettings], None]) ->
     with tempfile.TemporaryDirectory() as folder:
         domain.cache_directory = folder
         # Each operator updates the scene, and Blender 3.4's first update of a domain often fails: see make.py.
-        for attempt in (furnish, lambda _: None):
+        for attempt in (furnish, nothing):
             try:
                 attempt(domain)
                 bpy.context.view_layer.update()

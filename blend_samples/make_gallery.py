@@ -2,7 +2,7 @@
 """Write gallery.blend: lamps of every shape and meshes that shine, over balls and plates from mirror-like to dull, with
 smoke before one lamp.
 
-Run with:  blender -b --factory-startup --python-exit-code 3 --python blend_samples/make_gallery.py
+Run with:  PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 3 --python blend_samples/make_gallery.py
 The smoke is frames/wisp.vdb, which make_frames.py writes.
 """
 

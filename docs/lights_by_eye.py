@@ -2,7 +2,7 @@
 """docs/lights_by_eye.png: the plume in other lights, by Cycles (tests/goldens/lights), by Sfumato, and four times the
 difference.
 
-blender -b blend_samples/plume.blend --addons sfumato --python docs/lights_by_eye.py
+PATH=/usr/bin:$PATH blender -b blend_samples/plume.blend --addons sfumato --python docs/lights_by_eye.py
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """docs/viewport.png: the sample in Solid mode, with the smoke and its shadow, as an artist sees it.
 
-xvfb-run -a -s '-screen 0 1280x720x24' blender --window-geometry 0 0 1280 720 blend_samples/plume.blend \
+PATH=/usr/bin:$PATH xvfb-run -a -s '-screen 0 1280x720x24' blender --window-geometry 0 0 1280 720 blend_samples/plume.blend \
     --addons sfumato --python docs/screenshot.py
 """
 

@@ -2,8 +2,8 @@
 """docs/side_by_side.png, the plume by Cycles in five times the time, by Sfumato, and by Cycles in 300 times the time; and
 docs/gallery.png, the gallery by Sfumato and by Cycles.
 
-blender -b blend_samples/plume.blend --addons sfumato --python docs/side_by_side.py
-blender -b blend_samples/gallery.blend --addons sfumato --python docs/side_by_side.py
+PATH=/usr/bin:$PATH blender -b blend_samples/plume.blend --addons sfumato --python docs/side_by_side.py
+PATH=/usr/bin:$PATH blender -b blend_samples/gallery.blend --addons sfumato --python docs/side_by_side.py
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measure one subject and print a table:  bench.py NAME [--json FILE]
 
+Each step is a line on the standard error; Ctrl-C ends it, and what it started.
 A subject returns flat rows that all have `case`, `method`, `metric`, `error`, `seconds` and `bytes` (None where nothing
 measured them), and remarks to print below the table. Its rivals run in one process on the same input, so that a ratio
 of two rows means something.
@@ -12,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import signal
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
@@ -21,11 +23,11 @@ from typing import Any
 ROOM = Path(__file__).resolve().parent / "bench"
 sys.path.insert(0, str(ROOM))
 
-from bench_rows import CostRow, LightRow, Row
+from bench_rows import CostRow, LightRow, Row, error_of
 from blender_run import ROOT, run_script
 
 
-def seconds_at_error(rows: list[Row], error: float) -> float:
+def seconds_at_error(rows: Sequence[Row], error: float) -> float:
     """The time that a rival needs to reach `error`, from its measured rows, by interpolation of the logarithms.
 
     Beyond the finest row the error is taken to fall with the root of the time, as noise does; before the coarsest row
@@ -33,14 +35,14 @@ def seconds_at_error(rows: list[Row], error: float) -> float:
     """
     if not error > 0.0:
         raise ValueError(f"error must be positive, got {error}")
-    rows = sorted(rows, key=lambda row: row["error"], reverse=True)
-    if error >= rows[0]["error"]:
+    rows = sorted(rows, key=error_of, reverse=True)
+    if error >= error_of(rows[0]):
         return rows[0]["seconds"]
     for coarse, fine in zip(rows, rows[1:]):
-        if error > fine["error"]:
-            share = math.log(coarse["error"] / error) / math.log(coarse["error"] / fine["error"])
+        if error > error_of(fine):
+            share = math.log(error_of(coarse) / error) / math.log(error_of(coarse) / error_of(fine))
             return coarse["seconds"] * math.pow(fine["seconds"] / coarse["seconds"], share)
-    return rows[-1]["seconds"] * (rows[-1]["error"] / error) ** 2
+    return rows[-1]["seconds"] * (error_of(rows[-1]) / error) ** 2
 
 
 def against_cycles() -> tuple[list[Row], list[str]]:
@@ -53,12 +55,12 @@ def against_cycles() -> tuple[list[Row], list[str]]:
         run_script(ROOT / "blend_samples" / "plume.blend", script, str(golden), str(answer), *methods)
         rows: list[Row] = json.loads(answer.read_text(encoding="utf-8"))
     sfumato, *cycles = rows
-    rival = seconds_at_error(cycles, sfumato["error"])
+    rival = seconds_at_error(cycles, error_of(sfumato))
     speed_up = rival / sfumato["seconds"]
     return rows, [f"Cycles needs {rival:.3g} s for sfumato's error: sfumato is {speed_up:.3g} times as fast"]
 
 
-def lights() -> tuple[list[Row], list[str]]:
+def lights() -> tuple[Sequence[Row], list[str]]:
     """Whole renders of the plume in each kind of light."""
     methods = [f"sfumato-{quality}" for quality in ("draft", "preview", "final")]
     methods += [f"cycles-{samples}" for samples in (4, 16, 64)]
@@ -77,11 +79,9 @@ def light_remarks(rows: list[LightRow]) -> list[str]:
     remarks = []
     for case in dict.fromkeys(row["case"] for row in rows):
         ours = [row for row in rows if row["case"] == case and row["method"].startswith("sfumato-")]
-        cycles = [
-            row | {"error": row["true_error"]}
-            for row in rows
-            if row["case"] == case and row["method"].startswith("cycles-")
-        ]
+        cycles = [row.copy() for row in rows if row["case"] == case and row["method"].startswith("cycles-")]
+        for row in cycles:
+            row["error"] = row["true_error"]
         said = []
         for row in ours:
             least = 0.25 * row["noise"]
@@ -204,7 +204,13 @@ def main() -> None:
     options = {name: value for name in ("case", "method", "against") if (value := getattr(arguments, name))}
     if options and arguments.name != "heavy":
         parser.error(f"{arguments.name} has no --{next(iter(options))}")
-    rows, remarks = SUBJECTS[arguments.name](**options)
+    for ending in (signal.SIGINT, signal.SIGTERM):  # what a subject has started ends with it
+        signal.signal(ending, signal.default_int_handler)
+    try:
+        rows, remarks = SUBJECTS[arguments.name](**options)
+    except KeyboardInterrupt:
+        print(f"{arguments.name}: interrupted", file=sys.stderr)
+        sys.exit(130)
     print(table(rows))
     for remark in remarks:
         print(remark)

@@ -4,6 +4,8 @@
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build
+# What is costly to make and the same for every clone; computed here, since use_built_addon changes XDG_CACHE_HOME.
+cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/sfumato
 
 # The one list of packages, the same for Debian 12, 13 and sid. libboost-dev is for OpenVDB 10's headers; python3-cattr
 # and python3-requests are what the scripts of Debian's Blender 5.2 import and its package does not ask for.
@@ -35,16 +37,41 @@ install_missing() {
     DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}"
 }
 
-# build_target NAME: `addon`, or `all` to have the C++ tests too.
-# Debian's own Python, whatever the PATH says: it is the one inside Debian's Blender.
-build_target() {
+# build_targets NAME...: `addon`, test programs, or `all`.
+build_targets() {
     say "Building in $build"
-    cmake -S "$root" -B "$build" -G Ninja -DPython_EXECUTABLE=/usr/bin/python3
-    cmake --build "$build" --target "$1"
+    (cd "$root" && cmake --preset dev)
+    cmake --build "$build" --target "$@"
+}
+
+# cached NAME RECIPE COMMAND...: set `cached` to a folder that COMMAND FOLDER has filled, once for all clones: its place
+# is named by the hash of RECIPE. It is made beside its place and moved there when it is complete, so that one that is
+# there is whole; whoever comes while it is made waits.
+cached() {
+    local part place recipe=$2
+    place=$cache/$1-$(sha256sum <<<"$recipe" | head -c 12)
+    part=$place.part
+    shift 2
+    mkdir -p "$cache"
+    if [[ ! -e $place ]]; then
+        # shellcheck disable=SC2094 # the lock is no file that is read
+        (
+            flock 9
+            [[ ! -e $place ]] || exit 0
+            rm -rf --one-file-system "$part" && mkdir "$part" && "$@" "$part" 9>&- && mv "$part" "$place"
+        ) 9>"$place.lock" || return 1
+    fi
+    # shellcheck disable=SC2034 # read by the caller
+    cached=$place
 }
 
 # From here on Blender keeps its preferences, caches and temporary files in build/, and finds the built add-on there.
+# Blender is the one that the PATH shows first; but /usr/bin is first for it, since Debian's Blender takes the folders of
+# the first python3.11 (its own version) there, and finds no NumPy where that is another one's, such as conda's.
 use_built_addon() {
+    # shellcheck disable=SC2034 # read by the scripts that source this file
+    blender=$(type -P blender)
+    export PATH=/usr/bin:$PATH
     local home=$build/blender
     mkdir -p "$home"/{config,scripts/addons,datafiles,extensions,cache,tmp}
     ln -sfn "$build/addon/sfumato" "$home/scripts/addons/sfumato"

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import progress
 import sfumato
-from bench_rows import AreaLightRow
+from bench_rows import AreaLightRow, error_of
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
@@ -130,6 +131,7 @@ def row(case: str, method: str, value: Array, exact: Array, seconds: float) -> A
 
 def cosine_rows(lights: Polygons, exponent: int) -> list[AreaLightRow]:
     case = f"cosine-{exponent}"
+    progress.step(case)
     edges = int(lights.counts.sum())
     single = [x.astype(np.float32) for x in (lights.vertices, lights.axis)]
     # What float32 inputs mean is their own value, not that of the numbers before rounding.
@@ -142,7 +144,8 @@ def cosine_rows(lights: Polygons, exponent: int) -> list[AreaLightRow]:
             continue
 
         def run(method: str = method) -> Array:
-            return np.asarray(sfumato.polygon_integral(*single, exponent, method, None, lights.counts, True))
+            corners, axes = single
+            return np.asarray(sfumato.polygon_integral(corners, axes, exponent, method, None, lights.counts, True))
 
         rows.append(row(case, method, run(), exact, fastest(run, 2 if method == "arvo" else 7) / edges))
     seconds = fastest(lambda: polygons_sampled(lights, exponent), 1) / edges
@@ -152,6 +155,7 @@ def cosine_rows(lights: Polygons, exponent: int) -> list[AreaLightRow]:
 def round_rows(case: str, seed: int = 23) -> list[AreaLightRow]:
     """Spheres, half angle 3 to 60 degrees, or ellipses, half axes .05 to 1, with a random horizon above which at least
     a part of the light is: it cuts a good third of them."""
+    progress.step(case)
     rng = np.random.default_rng(seed)
     axis, centre, plane = placed(rng, ROUND_LIGHTS)
     exponent = rng.choice(EXPONENTS[:4], ROUND_LIGHTS).astype(float)
@@ -165,8 +169,11 @@ def round_rows(case: str, seed: int = 23) -> list[AreaLightRow]:
     double = [x.astype(float) for x in single]
     normal32 = normal.astype(np.float32)
     normal = normal32.astype(float)
-    ours = sfumato.sphere_integral if case == "sphere" else sfumato.ellipse_integral
-    judge = sfumato.reference.sphere_integral if case == "sphere" else sfumato.reference.ellipse_integral
+    functions: dict[str, tuple[Callable[..., Any], Callable[..., Array]]] = {
+        "sphere": (sfumato.sphere_integral, sfumato.reference.sphere_integral),
+        "ellipse": (sfumato.ellipse_integral, sfumato.reference.ellipse_integral),
+    }
+    ours, judge = functions[case]
     exact = judge(*double, exponent, normal)
 
     def run() -> Array:
@@ -212,7 +219,7 @@ def remarks(rows: list[AreaLightRow]) -> list[str]:
         published = by_name.get((case, "ellipse-peak"))
         if published:
             line += (
-                f", {1e9 * ours['seconds']:.0f} ns an edge ({TARGETS[2]:.0f}), {published['error'] / ours['error']:.0f} times"
+                f", {1e9 * ours['seconds']:.0f} ns an edge ({TARGETS[2]:.0f}), {error_of(published) / error_of(ours):.0f} times"
                 f" closer than the ellipse peak in {ours['seconds'] / published['seconds']:.2f} of its time"
             )
         out.append(line)

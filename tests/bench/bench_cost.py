@@ -11,6 +11,7 @@ import numpy as np
 import sfumato
 from numpy.typing import NDArray
 
+import progress
 from bench_rows import CostRow
 
 PLUME = Path(__file__).resolve().parents[2] / "blend_samples/plume_cache/data/fluid_data_0025.vdb"
@@ -60,6 +61,7 @@ def texels_per_cell(scene: sfumato.Scene, texels: int) -> float:
 
 
 def measure(name: str, scene: sfumato.Scene, occupied: int, texels: int) -> CostRow:
+    progress.step(f"{name}, map-{texels}")
     share = texels_per_cell(scene, texels)
     seconds = math.inf
     for _ in range(RUNS):

@@ -19,6 +19,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import progress  # noqa: E402
+
 # A cheap render is repeated and its median taken, a costly one is not.
 MOST_RUNS = 5
 ENOUGH_SECONDS = 10.0
@@ -76,6 +79,7 @@ def main(golden_path: Path, rows_path: Path, methods: list[str]) -> None:
     warm = set()
     with tempfile.TemporaryDirectory() as folder:
         for method in methods:
+            progress.step(method)
             choose(method)
             if scene.render.engine not in warm:
                 seconds_of_render()

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import progress
 import rivals
 import sfumato
-from bench_rows import RayRow
+from bench_rows import RayRow, error_of
 from light_rays import FRAMES, ROOT, SEEDED, Rays, seeded, smoke_frame, translations, without_outlier
 
 # What issue 3 asks of `auto`, RMSE of T x1000.
@@ -159,6 +160,7 @@ def light_rays() -> tuple[list[RayRow], list[str]]:
     outlier = cases["outlier"]
     rows: list[RayRow] = []
     for name, stored in METHODS.items():
+        progress.step(name)
         moved, grown = swing(stored.method), growth(stored.method)
         widened = rmse(stored.method, outlier) / rmse(stored.method, without_outlier(outlier))
         for case, rays in cases.items():
@@ -189,7 +191,7 @@ def light_rays() -> tuple[list[RayRow], list[str]]:
 
 
 def remarks(rows: list[RayRow], cases: dict[str, Rays]) -> list[str]:
-    error = {(row["method"], row["case"]): row["error"] for row in rows}
+    error = {(row["method"], row["case"]): error_of(row) for row in rows}
     out = []
     for method, additive in (("auto", False), ("auto-additive", True)):
         out += [f"{method}, {case}: {chosen(rays, additive).reason}" for case, rays in cases.items()]
@@ -198,6 +200,7 @@ def remarks(rows: list[RayRow], cases: dict[str, Rays]) -> list[str]:
         for case in (*FRAMES, "plume-axis"):
             fourier, slices = (error[rival, case] / error[method, case] for rival in ("fourier", "piecewise"))
             out.append(f"{method}, {case}: 1/{fourier:.1f} of fourier (target 1/5), 1/{slices:.1f} of piecewise (1/6)")
+    progress.step("ranges that texels share, and times on one thread")
     return out + [tile_remark(case) for case in FRAMES] + time_remarks()
 
 

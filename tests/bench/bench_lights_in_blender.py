@@ -20,6 +20,7 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import progress  # noqa: E402
 from bench_in_blender import ENOUGH_SECONDS, choose, pixels, relative_rmse, seconds_of_render  # noqa: E402
 from bench_rows import LightRow  # noqa: E402
 from light_cases import CASES, put_lights, small_picture  # noqa: E402
@@ -58,6 +59,7 @@ def main(goldens: Path, rows_path: Path, methods: list[str]) -> None:
             noise = facts["cases"][case]["noise"]
             engine = ""
             for method in methods:
+                progress.step(f"{case}, {method}")
                 choose(method)
                 if bpy.context.scene.render.engine != engine:
                     engine = bpy.context.scene.render.engine

@@ -13,8 +13,9 @@ from pathlib import Path
 
 import ltc
 import numpy as np
+import progress
 import sfumato
-from bench_rows import Row
+from bench_rows import Row, error_of
 
 Array = np.ndarray
 Method = Callable[["Lit"], Array]
@@ -78,8 +79,8 @@ def cases(count: int) -> dict[str, Lit]:
 
 
 def closed_form(lights: Lit) -> Array:
-    single = (x.astype(np.float32) for x in (lights.rectangles, lights.views, lights.alphas))
-    return np.asarray(sfumato.microfacet_polygon(*single, lights.brdf))
+    corners, views, alphas = (x.astype(np.float32) for x in (lights.rectangles, lights.views, lights.alphas))
+    return np.asarray(sfumato.microfacet_polygon(corners, views, alphas, lights.brdf))
 
 
 def of_ggx(method: Callable[[Array, Array, Array], Array]) -> Method:
@@ -98,6 +99,7 @@ METHODS: dict[str, tuple[Method, int]] = {
 def reflections(count: int = 3000) -> list[ReflectionRow]:
     rows = []
     for case, lights in cases(count).items():
+        progress.step(f"{case}: the reference of {count} lights, and every method")
         exact = lights.reference()
         bright = exact > 0.02
         for name, (method, size) in METHODS.items():
@@ -135,6 +137,7 @@ TARGETS = {
 
 def lane_seconds() -> dict[str, float]:
     """Seconds a rectangle of each method on GGX, from tests/bench/microfacet_cost.cpp, where all are compiled alike."""
+    progress.step("times: building and running microfacet_cost")
     build = Path(__file__).resolve().parents[2] / "build"
     subprocess.run(["cmake", "--build", build, "--target", "microfacet_cost"], check=True, stdout=subprocess.DEVNULL)
     runs = [
@@ -168,5 +171,7 @@ def microfacet_lights() -> tuple[list[ReflectionRow], list[str]]:
 
 if __name__ == "__main__":
     for row in reflections():
-        numbers = (row["error"], row["max_error"], row["p95_relative"], 1e9 * row["seconds"], row["bytes"])
-        print(f"{row['case']:16} {row['method']:14}", "error %.5f max %.4f p95 %.4f %8.0f ns %d bytes" % numbers)
+        print(
+            f"{row['case']:16} {row['method']:14} error {error_of(row):.5f} max {row['max_error']:.4f} "
+            f"p95 {row['p95_relative']:.4f} {1e9 * row['seconds']:8.0f} ns {row['bytes']} bytes"
+        )

@@ -15,6 +15,13 @@ class Row(TypedDict):
     bytes: int | None
 
 
+def error_of(row: Row) -> float:
+    """What most subjects measure. Raises ValueError where nothing did."""
+    if row["error"] is None:
+        raise ValueError(f"{row['case']}, {row['method']}: no error was measured")
+    return row["error"]
+
+
 class RayRow(Row):
     """One way to store light rays: `seconds` to build a ray, or to build and read it where the two are not apart. The
     last three belong to the method, whatever the case."""

@@ -37,8 +37,10 @@ class Rays:
 
     def in_single_precision(self) -> Rays:
         """What the module takes without converting it, for timing."""
-        arrays = (self.depth, self.optical_depth, self.receivers, self.exact)
-        return Rays(*(np.ascontiguousarray(a, np.float32) for a in arrays), self.width)
+        depth, optical_depth, receivers, exact = (
+            np.ascontiguousarray(a, np.float32) for a in (self.depth, self.optical_depth, self.receivers, self.exact)
+        )
+        return Rays(depth, optical_depth, receivers, exact, self.width)
 
     def on_map(self) -> tuple[np.ndarray, np.ndarray]:
         """Depth and optical depth (side, side, n), with nothing where there is no smoke."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a GGX rectangle costs on the GPU beside linearly transformed cosines (Heitz et al. 2016).
 
-    xvfb-run -a blender --factory-startup --addons sfumato --python tests/blender/area_light_cost.py
+    PATH=/usr/bin:$PATH xvfb-run -a blender --factory-startup --addons sfumato --python tests/blender/area_light_cost.py
 
 Each pixel has its own rectangle, view and roughness. Both methods read them alike, take turns in one process, and the
 shortest of their times counts, less that of a shader that does nothing else. The table of LTC is our own fit, its entries

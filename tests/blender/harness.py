@@ -2,9 +2,9 @@
 """The tests inside Blender: a file of `test_*` functions that ends with `harness.main()`.
 
 tests/run starts Blender once for each file: background/*.py without a window, interface/*.py with the real interface on
-a virtual screen. By hand, after tests/run has built the add-on and set Blender's folders, one file is
+a virtual screen. By hand, after tests/run has built the add-on, one file is
 
-    blender --factory-startup --addons sfumato --python-use-system-env --python FILE      (PYTHONPATH=tests/blender)
+    tests/blender/start background FILE        tests/blender/start interface FILE
 
 Tests run in the order of the file, each from Blender's factory scene. In the interface a test may be a generator: at
 each `yield` Blender redraws every editor and handles its events before the test goes on; at `yield seconds` it does as

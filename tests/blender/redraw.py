@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How long a redraw of the 3D viewport takes: EEVEE with volumetric shadows against Sfumato, on the sample's plume.
 
-    xvfb-run -a blender --window-geometry 0 0 776 497 --factory-startup --addons sfumato --python tests/blender/redraw.py
+    PATH=/usr/bin:$PATH xvfb-run -a blender --window-geometry 0 0 776 497 --factory-startup --addons sfumato --python tests/blender/redraw.py
 
 Every redraw sees a camera that has moved a little, so that nothing is kept from the last one; EEVEE takes one sample.
 The rivals take turns, so that whatever else the machine does meets all of them. Prints medians and their ratios; a
@@ -21,8 +21,8 @@ import bpy
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import harness  # noqa: E402
 import screen  # noqa: E402
-from mathutils import Quaternion  # noqa: E402
-from sfumato import log  # noqa: E402
+from mathutils import Quaternion, Vector  # noqa: E402
+from sfumato import log  # type: ignore[attr-defined]  # noqa: E402
 
 ROUNDS, REDRAWS = 3, 10
 EEVEE = "BLENDER_EEVEE"
@@ -84,7 +84,7 @@ def measure() -> Iterator[None]:
     space.lens, space.region_3d.view_perspective = 50.0, "PERSP"
     space.region_3d.view_rotation = camera.to_quaternion()
     space.region_3d.view_distance = 9.0
-    space.region_3d.view_location = camera.translation - camera.to_quaternion() @ harness.Vector((0.0, 0.0, 9.0))
+    space.region_3d.view_location = camera.translation - camera.to_quaternion() @ Vector((0.0, 0.0, 9.0))
     rivals: dict[str, Callable[[], None]] = {
         "EEVEE": eevee,
         "Sfumato, Rendered": sfumato_rendered,

@@ -76,11 +76,11 @@ def drawn(seen: list[Any], views: int = 1) -> Iterator[float | None]:
     for _ in range(2):
         seen.clear()
         while len(seen) < views:
-            yield
+            yield None
     yield from refined()
     seen.clear()
     while len(seen) < views:
-        yield
+        yield None
 
 
 def refined() -> Iterator[float | None]:

@@ -2,7 +2,7 @@
 """What a light map costs on the GPU: particles as Fourier coefficients and as slices of an opacity shadow map, and the
 sample's plume marched.
 
-    xvfb-run -a blender --factory-startup --addons sfumato --python tests/blender/splat_cost.py
+    PATH=/usr/bin:$PATH xvfb-run -a blender --factory-startup --addons sfumato --python tests/blender/splat_cost.py
 
 The plume of particles and the map are as in Jansen and Bavoil (2010): 16K particles, 512 x 512 texels. Rivals take
 turns in one process, and the shortest of their times counts. The opacity shadow map is the same splat with another

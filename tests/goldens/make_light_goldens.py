@@ -2,7 +2,7 @@
 """Render the judges of `bench.py lights` by Cycles: lights/CASE.exr, and what they are into lights/facts.json.
 
 Run with, and with CASE ... after "--" for some of them:
-    blender -b blend_samples/plume.blend --python-exit-code 3 --python tests/goldens/make_light_goldens.py
+    PATH=/usr/bin:$PATH blender -b blend_samples/plume.blend --python-exit-code 3 --python tests/goldens/make_light_goldens.py
 """
 
 from __future__ import annotations

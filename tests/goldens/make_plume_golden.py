@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render the judge of the plume: frame 25 by Cycles, into plume_cycles.exr, and what it is into plume_cycles.json.
 
-Run with:  blender -b blend_samples/plume.blend --python-exit-code 3 --python tests/goldens/make_plume_golden.py
+Run with:  PATH=/usr/bin:$PATH blender -b blend_samples/plume.blend --python-exit-code 3 --python tests/goldens/make_plume_golden.py
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 import pytest
@@ -80,7 +81,8 @@ def test_an_outlier_costs_the_curve_less_than_a_third(cases: dict[str, Rays]) ->
 def test_every_method_sees_no_smoke_in_a_clear_ray() -> None:
     depth, none = np.full((2, 3), 0.5), np.zeros((2, 3))
     receivers = np.tile([0.0, 0.5, 1.0], (2, 1))
-    for basis in ("fourier", "cosine", "piecewise", sfumato.learn_basis(depth, none, 3)):
+    bases: tuple[str | sfumato.LearnedBasis, ...] = ("fourier", "cosine", "piecewise")
+    for basis in (*bases, sfumato.learn_basis(depth, none, 3)):
         span = sfumato.depth_range(depth, none)
         c = sfumato.project(depth, none, 3, basis=basis, range=span)
         assert (sfumato.transmittance(c, receivers, basis, span) == 1.0).all()
@@ -114,7 +116,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "coefficients is 4, but must be odd": lambda: sfumato.project(HALF, HALF, 4),
     "coefficients is 0, but must lie between 1": lambda: sfumato.project(HALF, HALF, 0, basis="cosine"),
     "coefficients is 5, but the learned basis has 3": lambda: sfumato.project(HALF, HALF, 5, basis=BASIS),
-    "basis is None": lambda: sfumato.project(HALF, HALF, basis=None),
+    "basis is None": lambda: sfumato.project(HALF, HALF, basis=cast(str, None)),
     "depth holds 1.5 at flat index 0": lambda: sfumato.project(np.array([1.5]), HALF),
     "depth holds nan at flat index 0": lambda: CURVE.store(np.array([np.nan]), HALF),
     "optical_depth holds -1 at flat index 0": lambda: sfumato.choose_basis(HALF[None], np.array([[-1.0]])),

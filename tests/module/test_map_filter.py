@@ -32,12 +32,12 @@ def basis_named(name: str) -> Any:
     if name != "learned":
         return name
     tau = smoke()[4:-4, 4:-4].reshape(-1, SLABS)
-    spans = np.tile(np.float32(RANGE), (len(tau), 1))
+    spans = np.tile(np.array(RANGE, np.float32), (len(tau), 1))
     return sfumato.learn_basis(depths(tau), tau, 7, spans, 1 / SLABS)
 
 
 def coefficients(tau: Array, basis: Any) -> Array:
-    span = np.broadcast_to(np.float32(RANGE), (*tau.shape[:2], 2))
+    span = np.broadcast_to(np.array(RANGE, np.float32), (*tau.shape[:2], 2))
     return np.asarray(sfumato.project(depths(tau), tau, 7, 1 / SLABS, basis, span))
 
 
@@ -243,7 +243,7 @@ def test_a_bilinear_look_up_across_tiles_is_the_filtered_density(name: str) -> N
 
 
 MAP = np.ones((4, 5, 3))
-SPLIT = np.tile(np.float32((0.0, 1.0)), (4, 5, 1))
+SPLIT = np.tile(np.array((0.0, 1.0), np.float32), (4, 5, 1))
 SPLIT[2, 3] = (0.25, 0.5)
 REFUSED: dict[str, Callable[[], object]] = {
     r"width is 4, but that of a box must be an odd": lambda: sfumato.filter_map(MAP, 4),

@@ -109,6 +109,7 @@ def test_fresnel_mixes_by_f0() -> None:
 def test_fresnel_agrees_with_the_reference(f0: float) -> None:
     lights = bench_microfacet.lit(300, 7, (0.05, 1.0))
     arguments = (lights.rectangles, lights.views, lights.alphas)
+    corners, views, alphas = (x.astype(np.float32) for x in arguments)
     exact = sfumato.reference.microfacet_polygon(*arguments, f0=f0)
     error = sfumato.microfacet_polygon(*arguments, f0=f0) - exact
     assert np.sqrt(np.mean(error**2)) / np.ptp(exact) < 0.004
@@ -125,8 +126,9 @@ def test_the_share_of_fresnel_is_that_of_the_reference(index: float, highest: fl
     """
     lights = bench_microfacet.lit(1000, 11, (0.03, highest))
     arguments = (lights.rectangles, lights.views, lights.alphas)
+    corners, views, alphas = (x.astype(np.float32) for x in arguments)
     exact = sfumato.reference.microfacet_polygon(*arguments, f0=0.0, index=index)
-    error = sfumato.microfacet_polygon(*(x.astype(np.float32) for x in arguments), f0=0.0, index=index) - exact
+    error = sfumato.microfacet_polygon(corners, views, alphas, f0=0.0, index=index) - exact
     assert np.sqrt(np.mean(error**2)) / np.ptp(lights.reference()) < most
     other = sfumato.reference.microfacet_polygon(*arguments, f0=0.0, index=1.45 if index == 0.0 else 0.0)
     assert np.abs(other - exact).max() > 0.01, "the curves differ"

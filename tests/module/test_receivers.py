@@ -40,7 +40,9 @@ def test_the_others_alone_darken_a_receiver(basis: str, width: float) -> None:
     """As if its own optical depth had never been projected, on the ray's own range too."""
     depth, tau, _ = fragments(5, 50)
     span = sfumato.depth_range(depth, tau, width=width)
-    functions = sfumato.learn_basis(depth, tau, 7, span, width) if basis == "learned" else basis
+    functions: str | sfumato.LearnedBasis = basis
+    if basis == "learned":
+        functions = sfumato.learn_basis(depth, tau, 7, span, width)
     c = sfumato.project(depth, tau, 7, width, functions, span)
     found = sfumato.transmittance_before(c, depth, tau, functions, span, width)
     for i in range(5):

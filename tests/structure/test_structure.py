@@ -39,7 +39,8 @@ RULES = [
          ("addon/export/smoke.py", "if bpy.app.version >= (4, 0, 0):")),
     Rule("one home for the GPU", r"addon/", r"addon/(gpu|view)/", r"^\s*(import|from) gpu",
          ("addon/engine.py", "    import gpu")),
-    # At the top of the file it would break background mode in some Blenders: reference, section 3.
+    # At the top of the file it would break background mode in some Blenders: in 3.4 gpu.state without a context is a
+    # crash that nothing catches.
     Rule("the GPU is imported late", r"addon/", NOWHERE, r"^(import|from) gpu", ("addon/engine.py", "import gpu")),
     Rule("one home for pybind11", r"native/", r"native/module", r"pybind11",
          ("native/frame/frame.cpp", "#include <pybind11/numpy.h>")),
@@ -51,6 +52,21 @@ RULES = [
          ("native/frame/frame.cpp", '#include "module/arguments.hpp"')),
     Rule("methods do not know the reference", r"native/", r"native/(module|reference)", r'#include "reference/',
          ("native/maps/light_map.cpp", '#include "reference/reference.hpp"')),
+    # Dependencies point one way: module, frame, then maps, lights, media and solids, then rays, then text and scene.
+    Rule("text and scene know no room above", r"native/(text|scene)/", r"native/text/(dispatch\.cpp|kernels\.hpp)",
+         r'#include "(?!\.\.|(text|scene)/)', ("native/scene/camera.cpp", '#include "rays/series.hpp"')),
+    Rule("rays know no room above", r"native/rays/", NOWHERE, r'#include "(?!\.\.|(rays|text|scene)/)',
+         ("native/rays/basis.cpp", '#include "maps/light_map.hpp"')),
+    Rule("maps, lights, media and solids know no frame", r"native/(maps|lights|media|solids)/", NOWHERE,
+         r'#include "(?!\.\.|(maps|lights|media|solids|rays|text|scene)/)',
+         ("native/maps/light_map.cpp", '#include "frame/frame.hpp"')),
+    Rule("the frame knows no module", r"native/frame/", NOWHERE, r'#include "(module|reference)/',
+         ("native/frame/frame.cpp", '#include "module/arguments.hpp"')),
+    Rule("the export knows neither the GPU nor a view", r"addon/export/", NOWHERE,
+         r"^\s*(from|import)\s.*\b(gpu|view|viewport)\b",
+         ("addon/export/scene.py", "from ..view import viewport")),
+    Rule("the GPU knows neither the export nor a view", r"addon/gpu/", NOWHERE,
+         r"^\s*(from|import)\s.*\b(export|view|viewport)\b", ("addon/gpu/shader.py", "from ..export import scene")),
     Rule("the reference knows the scene alone", r"native/reference", NOWHERE, r'#include "(?!scene/scene\.hpp|reference/)',
          ("native/reference/reference.cpp", '#include "text/rays_text.hpp"')),
     Rule("the reference includes no shader", r"native/reference", NOWHERE, r"\.glsl|_text\.hpp",
@@ -112,3 +128,13 @@ def test_every_source_states_its_licence() -> None:
         str(path) for path in sources() if "SPDX-License-Identifier: GPL-3.0-or-later" not in path.read_text()[:200]
     ]
     assert not silent
+
+
+def test_files_that_the_documentation_names_are_there() -> None:
+    named = re.compile(r"`((?:addon|blend_samples|docs|native|shaders|tests)/[\w./-]*|\.ci/run)[^`]*`|\]\(([\w./]+)\)")
+    missing = []
+    for page in [ROOT / "README.md", ROOT / "ARCHITECTURE.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        for ours, link in named.findall(page.read_text(encoding="utf-8")):
+            if not (ROOT / ours if ours else page.parent / link).exists():
+                missing.append(f"{page.name}: {ours or link}")
+    assert not missing, "\n".join(missing)

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+PYTHON = ("addon", "blend_samples", "docs", "native", "tests")
+SHELL = (".ci/run", "blend_samples/render", "tests/blender/start", "tests/matrix", "tests/run")
 
 
 def tool(name: str) -> str:
@@ -32,12 +34,12 @@ def test_cpp_is_formatted() -> None:
 
 
 def test_python_is_formatted() -> None:
-    check(tool("black"), "--check", "--quiet", "addon", "blend_samples", "tests")
+    check(tool("black"), "--check", "--quiet", *PYTHON)
 
 
 def test_python_is_typed() -> None:
-    check(tool("mypy"), "addon")
+    check(tool("mypy"), *PYTHON)
 
 
 def test_shell_is_clean() -> None:
-    check(tool("shellcheck"), "--external-sources", ".ci/run", "blend_samples/render", "tests/matrix", "tests/run")
+    check(tool("shellcheck"), "--external-sources", *SHELL)

@@ -11,7 +11,7 @@ import bpy
 import harness
 import numpy as np
 import pictures
-from sfumato import log
+from sfumato import log  # type: ignore[attr-defined]
 from sfumato.export import smoke
 
 TINY = (32, 18)
@@ -96,7 +96,8 @@ def lamp(name: str, kind: str, **settings: object) -> bpy.types.Object:
         if thing.type == "LIGHT":
             bpy.data.objects.remove(thing)
     data = bpy.data.lights.new(name, kind)
-    for key, value in {"energy": 500.0, **settings}.items():
+    data.energy = 500.0
+    for key, value in settings.items():
         setattr(data, key, value)
     thing = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(thing)
@@ -115,7 +116,12 @@ def test_an_area_light_without_area() -> None:
 
 
 def test_lights_inside_the_smoke() -> None:
-    for kind, settings in (("POINT", {"shadow_soft_size": 0.0}), ("POINT", {"shadow_soft_size": 2.0}), ("AREA", {})):
+    embers: tuple[tuple[str, dict[str, float]], ...] = (
+        ("POINT", {"shadow_soft_size": 0.0}),
+        ("POINT", {"shadow_soft_size": 2.0}),
+        ("AREA", {}),
+    )
+    for kind, settings in embers:
         thing = lamp("Ember", kind, **settings)
         thing.location = harness.middle_of(bpy.context.scene.objects["Smoke Domain"])
         image = pictures.render(TINY)

@@ -9,12 +9,12 @@ import harness
 import numpy as np
 import pictures
 from mathutils import Vector
-from sfumato import compat
+from sfumato import compat  # type: ignore[attr-defined]
 
 SIZE = (16, 9)
 # Kind, settings, scale. The soft ones are near and large, so that a disk that faces the floor is not a sphere. A sun as wide
 # as 0.5 Cycles 3.4 makes 1.6 % darker than the irradiance that it is given; one of 0.2, 0.25 %.
-LIGHTS = {
+LIGHTS: dict[str, tuple[str, dict[str, object], tuple[float, float, float]]] = {
     "point": ("POINT", {"shadow_soft_size": 0.0}, (1.0, 1.0, 1.0)),
     "soft point": ("POINT", {"shadow_soft_size": 0.8}, (2.0, 1.5, 1.0)),
     "sphere": ("POINT", {"shadow_soft_size": 0.8, "use_soft_falloff": False}, (1.0, 1.0, 1.0)),

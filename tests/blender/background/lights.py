@@ -14,7 +14,7 @@ import numpy as np
 import pictures
 from mathutils import Vector
 from numpy.typing import NDArray
-from sfumato import log
+from sfumato import log  # type: ignore[attr-defined]
 
 SIZE = (64, 36)
 SHAPES = {"SQUARE": (1.0, 1.0), "RECTANGLE": (1.6, 0.6), "DISK": (1.0, 1.0), "ELLIPSE": (1.6, 0.6)}
@@ -130,7 +130,7 @@ def test_scaled_lamp() -> None:
         assert difference(300) <= most, roughness
 
 
-def emitter(add: Callable[[], None], principled: bool = False, strength: float = 30.0) -> bpy.types.Object:
+def emitter(add: Callable[[], object], principled: bool = False, strength: float = 30.0) -> bpy.types.Object:
     """A mesh that glows where the lamps were; `add` makes it."""
     arrange("POINT", 180.0, None, 50.0).data.energy = 0.0
     add()

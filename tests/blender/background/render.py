@@ -3,6 +3,7 @@
 
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -15,7 +16,7 @@ from mathutils import Vector
 SMALL = (160, 90)
 
 
-def pixel_of(place: tuple[float, float, float], size: tuple[int, int]) -> tuple[int, int]:
+def pixel_of(place: Sequence[float], size: tuple[int, int]) -> tuple[int, int]:
     """Row and column in which a point in the world is seen."""
     seen = world_to_camera_view(bpy.context.scene, bpy.context.scene.camera, Vector(place))
     return int(seen.y * size[1]), int(seen.x * size[0])
@@ -27,7 +28,7 @@ def test_smoke_shows_and_throws_its_shadow() -> None:
     smoke.hide_render = True
     without = pictures.render(SMALL)
     change = with_smoke[..., :3].sum(axis=-1) - without[..., :3].sum(axis=-1)
-    middle = pixel_of(tuple(harness.middle_of(smoke)), SMALL)
+    middle = pixel_of(harness.middle_of(smoke), SMALL)
     assert abs(change[middle]) > 0.05, change[middle]
     # The sun's light goes through the domain's middle to the floor: there the floor must be darker than it was.
     sun = next(thing for thing in bpy.context.scene.objects if thing.type == "LIGHT")

@@ -242,7 +242,7 @@ def test_bad_input_is_named() -> None:
                             "size": (4, 4), "coefficients": 7}  # fmt: skip
     slanted, last_row = np.eye(4), np.eye(4)
     slanted[0, 2], last_row[3, 1] = 0.5, 2.0
-    for change, expected in (
+    refusals: tuple[tuple[dict[str, Any], str], ...] = (
         ({"points": []}, "points has shape (0,)"),
         ({"points": np.zeros((0, 3))}, "points has shape (0, 3)"),
         ({"points": [(0.5, np.nan, 0.5)]}, "points holds nan at flat index 1"),
@@ -262,17 +262,19 @@ def test_bad_input_is_named() -> None:
         ({"world_to_map": np.diag((1.0, 0.0, 1.0, 1.0))}, "world_to_map flattens space"),
         ({"world_to_map": last_row}, "world_to_map holds 2 at flat index 13"),
         ({"world_to_map": slanted}, "world_to_map is not a sun's"),
-    ):
+    )
+    for change, expected in refusals:
         refused(expected, maps.splat, **(good | change))
     texture = gpu_shader.texture((1, 1, 1), "R", np.zeros(1))
     good = {"density": texture, "clearance": texture, "grid_to_world": unit, "world_to_map": unit, "size": (4, 4),
             "coefficients": 7}  # fmt: skip
-    for change, expected in (
+    refusals = (
         ({"grid_to_world": np.full((4, 4), np.nan)}, "grid_to_world holds nan at flat index 0"),
         ({"size": (4, 0)}, "size is (4, 0)"),
         ({"coefficients": 2}, "coefficients is 2, but must be odd"),
         ({"slices": 0}, "slices is 0"),
-    ):
+    )
+    for change, expected in refusals:
         refused(expected, maps.march, **(good | change))
 
 

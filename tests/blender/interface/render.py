@@ -7,7 +7,7 @@ from collections.abc import Generator
 import bpy
 import harness
 import numpy as np
-from sfumato import engine
+from sfumato import engine  # type: ignore[attr-defined]
 
 Steps = Generator[None, None, None]
 

@@ -13,7 +13,8 @@ import numpy as np
 import screen
 import sfumato
 from mathutils import Matrix, Quaternion
-from sfumato import log
+from numpy.typing import ArrayLike
+from sfumato import log, props  # type: ignore[attr-defined]
 from sfumato.export import scene
 from sfumato.view import viewport
 
@@ -38,10 +39,11 @@ def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True) -> 
         made.add_medium(density, grid_to_world, scattering, absorption=(1.0, 1.0, 1.0), anisotropy=0.4)
     made.add_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
     made.set_background((0.3, 0.4, 0.6))
-    for corners, normal in (
+    walls: tuple[tuple[ArrayLike, tuple[int, int, int]], ...] = (
         ([(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)], (0, 0, 1)),
         ([(0, 0, 1.9), (1.4, 0, 1.9), (1.4, 1.2, 1.9), (0, 1.2, 1.9)], (0, 0, 1)),
-    ):
+    )
+    for corners, normal in walls:
         made.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], [[normal] * 3] * 2, [0, 0], [(0.7, 0.6, 0.5)])
     if lamps:
         made.add_sun((-0.2, 0.6, -1.0), (2.0, 2.0, 3.0), angle=0.3)
@@ -163,7 +165,7 @@ def shaded_and_sunny(smoke: bpy.types.Object) -> tuple[tuple[int, int], tuple[in
     return best["dark"][1], best["bright"][1]
 
 
-def test_overlay_darkens_the_shadow_and_leaves_no_trace() -> Iterator[None]:
+def test_overlay_darkens_the_shadow_and_leaves_no_trace() -> Iterator[float | None]:
     _space, smoke = plume("SOLID")
     settings = bpy.context.scene.sfumato
     with screen.watched() as seen:
@@ -186,7 +188,7 @@ def test_overlay_darkens_the_shadow_and_leaves_no_trace() -> Iterator[None]:
     assert not log.notices(), log.notices()
 
 
-def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes() -> Iterator[None]:
+def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes() -> Iterator[float | None]:
     space, _smoke = plume("SOLID")
     view = space.region_3d
     with screen.watched() as seen, counted_exports() as exports:
@@ -217,7 +219,7 @@ def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes(
     assert not log.notices(), log.notices()
 
 
-def test_a_failure_is_said_once_and_blender_goes_on_drawing() -> Iterator[None]:
+def test_a_failure_is_said_once_and_blender_goes_on_drawing() -> Iterator[float | None]:
     plume("SOLID")
     original, calls = scene.export, []
 
@@ -243,7 +245,7 @@ def test_a_failure_is_said_once_and_blender_goes_on_drawing() -> Iterator[None]:
     assert not log.notices(), log.notices()
 
 
-def test_undo_and_another_file() -> Iterator[None]:
+def test_undo_and_another_file() -> Iterator[float | None]:
     plume("SOLID")
     with screen.watched() as seen:
         yield from screen.drawn(seen)
@@ -262,7 +264,7 @@ def test_undo_and_another_file() -> Iterator[None]:
     assert not [line for line in log.notices() if "cannot be drawn" in line], log.notices()
 
 
-def test_enable_and_disable_may_be_repeated() -> Iterator[None]:
+def test_enable_and_disable_may_be_repeated() -> Iterator[float | None]:
     plume("SOLID")
     with screen.watched() as seen:
         yield from screen.drawn(seen)
@@ -279,7 +281,7 @@ def test_enable_and_disable_may_be_repeated() -> Iterator[None]:
         assert np.array_equal(seen[-1][0], good), "drawn twice?"
 
 
-def test_every_view_of_a_quad_view_has_its_smoke() -> Iterator[None]:
+def test_every_view_of_a_quad_view_has_its_smoke() -> Iterator[float | None]:
     plume("SOLID")
     window, area, region = screen.viewport()
     with bpy.context.temp_override(window=window, area=area, region=region):
@@ -298,10 +300,10 @@ def test_every_view_of_a_quad_view_has_its_smoke() -> Iterator[None]:
         window, area, region = screen.viewport()
         with bpy.context.temp_override(window=window, area=area, region=region):
             bpy.ops.screen.region_quadview()
-        yield
+        yield None
 
 
-def test_two_windows() -> Iterator[None]:
+def test_two_windows() -> Iterator[float | None]:
     plume("SOLID")
     window, area, region = screen.viewport()
     with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
@@ -321,18 +323,18 @@ def test_two_windows() -> Iterator[None]:
     finally:
         with bpy.context.temp_override(window=second):
             bpy.ops.wm.window_close()
-        yield
+        yield None
     assert not log.notices(), log.notices()
 
 
-def test_rendered_view_is_scene_linear() -> Iterator[None]:
+def test_rendered_view_is_scene_linear() -> Iterator[float | None]:
     """Before Blender's view transform, the Rendered view holds the radiance that the CPU computes."""
     space, _smoke = plume("RENDERED")
     bpy.context.scene.render.engine = "SFUMATO"
     with screen.watched() as seen:
         yield from screen.drawn(seen)
         shown = seen[-1][0]
-    quality = sfumato.props.QUALITIES[bpy.context.scene.sfumato.quality]
+    quality = props.QUALITIES[bpy.context.scene.sfumato.quality]
     frame = sfumato.Frame(scene.export(bpy.context.evaluated_depsgraph_get()).scene, **quality.frame)
     height, width = shown.shape[:2]
     cpu = frame.render(sfumato.Camera(screen.view_matrix()), width, height, edge_samples=quality.edge_samples)

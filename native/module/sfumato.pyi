@@ -1,0 +1,501 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Written by stub.py from the built module; do not edit.
+from collections.abc import Callable
+from typing import Any, overload
+
+import numpy
+from numpy.typing import ArrayLike, NDArray
+
+class Camera:
+    """The rays of a projection."""
+
+    def __init__(self, view_projection: ArrayLike) -> None: ...
+    @property
+    def corners(self) -> NDArray[numpy.float32]:
+        """(6, 3): near0, near_u, near_v, far0, far_u, far_v of shaders/camera.glsl."""
+
+class Frame:
+    """Everything about a scene that does not depend on the camera, computed once."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        coefficients: int = 15,
+        texels_per_cell: float = 1.0,
+        steps_per_cell: float = 1.0,
+        light_samples: int = 16,
+    ) -> None: ...
+    def light_map(self, light: int = 0, sample: int = 0, medium: int = 0) -> LightMap:
+        """The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot
+        meet it. Raises ValueError where there is no such light, sample or medium.
+        """
+    @property
+    def lights(self) -> NDArray[numpy.float32]:
+        """(n, 3, 4) float32: direction and 1 for a sun, else 0; position and the square of the light's size, as in
+        falloff() of shaders/lights/light.glsl; strength, and the number of its samples.
+        """
+    @property
+    def media(self) -> list[Any]:
+        """A list of LitMedium, those that hold any smoke."""
+    def render(
+        self,
+        camera: Camera,
+        width: int,
+        height: int,
+        edge_samples: int = 16,
+        progress: Callable[[float], object] | None = None,
+    ) -> Any:
+        """The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom."""
+    @property
+    def step_length(self) -> float:
+        """Of the march along view rays, in cells."""
+    def surfaces(
+        self,
+        camera: Camera,
+        width: int,
+        height: int,
+        output: str = "radiance",
+        edge_samples: int = 1,
+        progress: Callable[[float], object] | None = None,
+    ) -> Any:
+        """(height, width, 4) float32: of the first surface what `output` says, and the distance to it through the
+        pixel's centre in metres, the far plane's where there is none. "radiance": in the shadow of smoke and
+        solids, but without the smoke between it and the eye; "smoke_shadow": the share of the light on it that
+        smoke takes, in [0, 1], of all that it would have if it faced every light; "all_shadows": the share that
+        smoke and solids take.
+        """
+    def transmittance(self, points: ArrayLike, light: int = 0) -> NDArray[numpy.float32]:
+        """The share of a light that the smoke lets through to each of points (..., 3): (..., 3), RGB; light is its
+        number. Solids are left out. Raises ValueError where there is no such light.
+        """
+
+class LearnedBasis:
+    """The functions that learn_basis made from a sample of rays."""
+
+    @property
+    def coefficients(self) -> int:
+        """How many functions there are."""
+    @property
+    def density(self) -> NDArray[numpy.float32]:
+        """(coefficients, cells): F_k, constant over each cell."""
+    @property
+    def integral(self) -> NDArray[numpy.float32]:
+        """(coefficients, cells + 1): G_k at the edges of the cells, straight between them."""
+
+class LightMap:
+    """Column density along the rays of a light."""
+
+    @property
+    def coefficients(self) -> NDArray[numpy.float32]:
+        """(height, width, n + 2): of each ray the whole column density, the depth where its range begins and one
+        over the range's extent, and a_k / (pi k), k = 1, ..., of its half-range cosine series. A copy.
+        """
+    @property
+    def world_to_light(self) -> NDArray[numpy.float64]:
+        """(4, 4): of a sun's map, to x and y across it and z along the light, all in [0, 1]; of others, to a frame
+        with the light at the origin.
+        """
+
+class LitMedium:
+    """A body of smoke of a frame, cropped, with the light that reaches it."""
+
+    @property
+    def anisotropy(self) -> float:
+        """g of Henyey and Greenstein (1941)."""
+    @property
+    def clearance(self) -> NDArray[numpy.float32]:
+        """(bz, by, bx), for each brick of 4^3 cells: negative where smoke may be met, else the number of cells that
+        are surely empty in every direction.
+        """
+    @property
+    def density(self) -> NDArray[numpy.float32]:
+        """(nz, ny, nx). A copy."""
+    @property
+    def extinction(self) -> NDArray[numpy.float32]:
+        """(3,), per metre and unit density."""
+    @property
+    def grid_to_world(self) -> NDArray[numpy.float64]:
+        """(4, 4): from cells to metres in world space."""
+    @property
+    def light(self) -> NDArray[numpy.float32]:
+        """(lights, nz, ny, nx, c): the optical depth towards each light, in the one colour of grey smoke or in
+        three, and the share of the light's falloff that passes solids and the edges of its cone. A copy.
+        """
+    @property
+    def scattering(self) -> NDArray[numpy.float32]:
+        """(3,), per metre and unit density."""
+
+class RayStorage:
+    """A way to store light rays in a few bytes each, chosen by choose_basis."""
+
+    def __init__(self) -> None: ...
+    @property
+    def additive(self) -> bool:
+        """Whether coefficients, before they are stored, add and filter."""
+    @property
+    def bytes(self) -> int:
+        """A texel."""
+    @property
+    def coefficients(self) -> int:
+        """Numbers a texel, besides its range and total."""
+    @property
+    def error(self) -> float:
+        """Root mean square error of transmittance over the judging rays."""
+    @property
+    def name(self) -> str:
+        """'curve', or a basis and its range: 'cosine-range', 'learned-both', ..."""
+    @property
+    def reason(self) -> str:
+        """What was measured, against what; empty where nothing was."""
+    def store(self, depth: ArrayLike, optical_depth: ArrayLike, width: float = 0.0) -> NDArray[numpy.uint8]:
+        """(..., bytes) uint8 of absorbers as in project."""
+    def transmittance(self, texels: ArrayLike, depth: ArrayLike) -> NDArray[numpy.float32]:
+        """(..., d) float32 at depth (..., d) in [0, 1]."""
+
+class Scene:
+    """Meshes, smoke and lights."""
+
+    def __init__(self) -> None: ...
+    def add_area(
+        self,
+        position: ArrayLike,
+        across: ArrayLike,
+        up: ArrayLike,
+        radiance: ArrayLike,
+        ellipse: bool = False,
+        spread: float = 3.1415927410125732,
+    ) -> None:
+        """Add a rectangle, or the ellipse in it: position (3,) of its middle; across (3,) and up (3,), half its
+        axes, at right angles; radiance (3,) in W/(m^2 sr), straight ahead. It shines along cross(up, across),
+        into the whole angle spread, radians, in which it fades as 1 - tan(angle) / tan(spread / 2). Raises
+        ValueError for a light without area, and for axes that are not at right angles.
+        """
+    def add_medium(
+        self,
+        density: ArrayLike,
+        grid_to_world: ArrayLike,
+        scattering: ArrayLike,
+        absorption: ArrayLike,
+        anisotropy: float = 0.0,
+    ) -> None:
+        """Add a body of smoke, of which there may be five. Where they overlap, their densities add."""
+    def add_mesh(
+        self,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        corner_normals: ArrayLike,
+        material: ArrayLike,
+        albedo: ArrayLike,
+        gloss: ArrayLike | None = None,
+        corner_tangents: ArrayLike | None = None,
+        emission: ArrayLike | None = None,
+        diffuse_roughness: ArrayLike | None = None,
+    ) -> None:
+        """Add triangles that reflect diffusely, and with gloss."""
+    def add_point(
+        self,
+        position: ArrayLike,
+        intensity: ArrayLike,
+        radius: float = 0.0,
+        direction: ArrayLike = [0.0, 0.0, -1.0],
+        cone: float = 6.2831854820251465,
+        blend: float = 0.0,
+        facing_disk: bool = False,
+        spot_cosine: bool = False,
+    ) -> None:
+        """Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
+        cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in
+        over the share blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere
+        looks as large as a disk of its radius that faces the eye, and with spot_cosine a spot dims by the cosine
+        to its axis, too.
+        """
+    def add_polygon(self, corners: ArrayLike, radiance: ArrayLike) -> None:
+        """Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners (3,
+        3) or (4, 3), in turn; radiance (3,) in W/(m^2 sr). It is not seen itself: that is add_mesh's emission.
+        Raises ValueError for corners that are not flat and convex, or hold no area.
+        """
+    def add_sun(self, direction: ArrayLike, irradiance: ArrayLike, angle: float = 0.0) -> None:
+        """Add a sun: direction (3,) in which its light travels; irradiance (3,) in W/m^2 on a surface that faces it;
+        angle, its angular diameter in radians.
+        """
+    def set_background(self, radiance: ArrayLike) -> None:
+        """Set the radiance (3,) where no surface is. It lights nothing."""
+
+def choose_basis(
+    depth: ArrayLike, optical_depth: ArrayLike, bytes: int = 20, additive: bool = False, width: float = 0.0
+) -> RayStorage:
+    """The RayStorage that serves a sample of a scene's rays best in at most `bytes` a texel, and why."""
+
+def depth_range(
+    depth: ArrayLike, optical_depth: ArrayLike, kind: str = "minmax", q: float = 3.0, width: float = 0.0
+) -> NDArray[numpy.float32]:
+    """Low and high depth of the absorbers of each ray: (..., 2) float32, as a texel can store them."""
+
+def depth_ranges(
+    depth: ArrayLike,
+    optical_depth: ArrayLike,
+    tile: int = 0,
+    reach: int = 1,
+    kind: str = "minmax",
+    q: float = 3.0,
+    width: float = 0.0,
+) -> NDArray[numpy.float32]:
+    """The range (height, width, 2) that every tile of tile x tile rays shares, so that their coefficients filter;
+    tile 0: the whole map.
+    """
+
+def diffuse_ellipse(centre: ArrayLike, u: ArrayLike, v: ArrayLike, normal: ArrayLike) -> Any:
+    """Irradiance / pi at the origin from ellipses of radiance 1, both of whose sides shine: exact, horizon-cut ones
+    included. centre, u, v as in ellipse_integral.
+    """
+
+def diffuse_polygon(
+    polygons: ArrayLike, normal: ArrayLike, counts: ArrayLike | None = None, two_sided: bool = False
+) -> Any:
+    """Irradiance / pi at the origin, on a surface with `normal`, from polygons of radiance 1: exact (Lambert 1760).
+    In [0, 1]. Arguments as in polygon_integral; what is below the horizon gives nothing.
+    """
+
+def diffuse_sphere(centre: ArrayLike, radius: ArrayLike, normal: ArrayLike) -> Any:
+    """Irradiance / pi at the origin from spheres of radiance 1: exact, horizon-cut ones included (Snyder 1996).
+    centre (..., 3), radius one or (...), normal (3,) or (..., 3). 1 inside the sphere.
+    """
+
+def double_moment(polygon: ArrayLike, axis: ArrayLike, exponent: int, b: ArrayLike) -> float:
+    """The integral of (u.axis)^n (u.b) over the directions to one polygon (vertices, 3) in front of the axis's
+    plane, whole n: Arvo's double moment (1995), exact. Negative for polygons seen from behind.
+    """
+
+def ellipse_integral(
+    centre: ArrayLike, u: ArrayLike, v: ArrayLike, axis: ArrayLike, exponent: ArrayLike, normal: ArrayLike | None = None
+) -> Any:
+    """As polygon_integral, over ellipses, both of whose sides shine: centre (..., 3) and the half axes u and v, (3,)
+    or (..., 3), perpendicular. Two poles from n = 9, integrated along the outline exactly, horizons included;
+    below, 64 corners, which leave up to 2e-4 beside large lights.
+    """
+
+def filter_map(coefficients: ArrayLike, width: float, kind: str = "box", range: ArrayLike | None = None) -> Any:
+    """A map of coefficients, filtered along both axes: the coefficients of filtered density, whatever the basis
+    (Jansen and Bavoil 2010, section 3).
+    """
+
+def henyey_greenstein(cos_theta: ArrayLike, anisotropy: float = 0.0) -> Any:
+    """Phase function of Henyey and Greenstein (1941), per steradian; cos_theta (...) is the cosine between the
+    directions of travel before and after scattering, anisotropy g in (-1, 1).
+    """
+
+instruction_set: str
+
+def learn_basis(
+    depth: ArrayLike,
+    optical_depth: ArrayLike,
+    coefficients: int = 15,
+    range: ArrayLike | None = None,
+    width: float = 0.0,
+    cells: int = 64,
+) -> LearnedBasis:
+    """The basis in which rays like these need the fewest coefficients: Karhunen and Loeve's, of their cumulative
+    optical depth on `cells` depths of each ray's range.
+    """
+
+def microfacet_ellipse(
+    centre: ArrayLike,
+    u: ArrayLike,
+    v: ArrayLike,
+    view: ArrayLike,
+    alpha: ArrayLike,
+    brdf: str = "ggx",
+    f0: float = 1.0,
+    index: float = 0.0,
+) -> Any:
+    """As microfacet_polygon, of ellipses: centre (..., 3) and the half axes u and v, (3,) or (..., 3)."""
+
+def microfacet_polygon(
+    polygons: ArrayLike,
+    view: ArrayLike,
+    alpha: ArrayLike,
+    brdf: str = "ggx",
+    f0: float = 1.0,
+    counts: ArrayLike | None = None,
+    index: float = 0.0,
+) -> Any:
+    """The radiance that a rough surface at the origin reflects to the eye, of convex polygons of radiance 1 that
+    shine to both sides: (...), float32 worked in float32, all else in float64.
+    """
+
+def microfacet_sphere(
+    centre: ArrayLike,
+    radius: ArrayLike,
+    view: ArrayLike,
+    alpha: ArrayLike,
+    brdf: str = "ggx",
+    f0: float = 1.0,
+    index: float = 0.0,
+) -> Any:
+    """As microfacet_polygon, of spheres that do not hold the origin: centre (..., 3), radius one or (...)."""
+
+def mipmaps(coefficients: ArrayLike, range: ArrayLike | None = None) -> list[Any]:
+    """A list of maps, each half as large as the one before, rounded down, from (height, width, n) itself to (1, 1,
+    n): means over the area that a texel covers. All have the same mean, odd sizes too. range as in filter_map.
+    """
+
+def pack(
+    coefficients: ArrayLike, basis: str | LearnedBasis = "fourier", range: ArrayLike | None = None
+) -> NDArray[numpy.uint8]:
+    """Texels of 8 bits a coefficient: (..., bytes) uint8. Range in 2 x 16 bits, total as a half float, then the
+    coefficients relative to the largest that the total allows; 'fourier', 'cosine' and learned bases leave out
+    the first, which the total tells. So 15 of them take 20 bytes. Only for storage: texels do not add.
+    """
+
+def polygon_integral(
+    polygons: ArrayLike,
+    axis: ArrayLike,
+    exponent: ArrayLike,
+    method: str = "poles-2",
+    normal: ArrayLike | None = None,
+    counts: ArrayLike | None = None,
+    two_sided: bool = False,
+) -> Any:
+    """(n + 1)/(2 pi) times the integral of (u.axis)^n over the directions u from the origin to convex polygons: the
+    share, in [0, 1], of a Phong lobe that they fill. (...), float32 worked in float32, all else in float64.
+    """
+
+def product_of_lobes(axes: ArrayLike, exponents: ArrayLike) -> tuple[Any, ...]:
+    """(axis, exponent, scale) of one lobe for a product of lobes: scale (u.axis)^exponent for the product of
+    (u.axes[i])^exponents[i], as Lecocq et al. (2017), section 7, want it. Ours: both have their peak in one
+    place, at one height and with one mean curvature. Good for lobes less than 75 degrees apart; at 85 degrees a
+    fifth of it is wrong.
+    """
+
+def project(
+    depth: ArrayLike,
+    optical_depth: ArrayLike,
+    coefficients: int | None = None,
+    width: float = 0.0,
+    basis: str | LearnedBasis = "fourier",
+    range: ArrayLike | None = None,
+) -> Any:
+    """Coefficients of absorbers along light rays: eqs 1-2 and 5-6 of Jansen and Bavoil (2010), or their like."""
+
+def read_volume(path: str, grid: str = "density") -> tuple[Any, ...]:
+    """The active part of a grid of floats in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
+    takes cells to the file's own space. Raises ValueError that names the file and the cause.
+    """
+
+class reference:  # a module
+    """The answers that the methods approximate: float64, as plain as the textbook, and slow."""
+
+    @staticmethod
+    def column(scene: Scene, start: ArrayLike, end: ArrayLike, medium: int = 0) -> NDArray[numpy.float64]:
+        """The integral of one medium's density along segments, in metres times density. Exact but for rounding."""
+    @staticmethod
+    def ellipse_integral(
+        centre: ArrayLike,
+        u: ArrayLike,
+        v: ArrayLike,
+        axis: ArrayLike,
+        exponent: ArrayLike,
+        normal: ArrayLike | None = None,
+    ) -> NDArray[numpy.float64]:
+        """The same over ellipses. Arguments as in sfumato.ellipse_integral."""
+    @staticmethod
+    def microfacet_ellipse(
+        centre: ArrayLike,
+        u: ArrayLike,
+        v: ArrayLike,
+        view: ArrayLike,
+        alpha: ArrayLike,
+        brdf: str = "ggx",
+        f0: float = 1.0,
+        method: str = "outline",
+        index: float = 0.0,
+    ) -> NDArray[numpy.float64]:
+        """What sfumato.microfacet_ellipse approximates; method as in microfacet_polygon."""
+    @staticmethod
+    def microfacet_polygon(
+        polygons: ArrayLike,
+        view: ArrayLike,
+        alpha: ArrayLike,
+        brdf: str = "ggx",
+        f0: float = 1.0,
+        counts: ArrayLike | None = None,
+        method: str = "outline",
+        index: float = 0.0,
+    ) -> NDArray[numpy.float64]:
+        """What sfumato.microfacet_polygon approximates, with the same arguments: (...) float64. method:"""
+    @staticmethod
+    def microfacet_sphere(
+        centre: ArrayLike,
+        radius: ArrayLike,
+        view: ArrayLike,
+        alpha: ArrayLike,
+        brdf: str = "ggx",
+        f0: float = 1.0,
+        method: str = "outline",
+        index: float = 0.0,
+    ) -> NDArray[numpy.float64]:
+        """What sfumato.microfacet_sphere approximates; method as in microfacet_polygon."""
+    @staticmethod
+    def polygon_integral(
+        polygons: ArrayLike,
+        axis: ArrayLike,
+        exponent: ArrayLike,
+        normal: ArrayLike | None = None,
+        counts: ArrayLike | None = None,
+        method: str = "boundary",
+    ) -> NDArray[numpy.float64]:
+        """(n + 1)/(2 pi) int (u.axis)^n du over convex polygons, whichever side they show; float64. Arguments as in
+        sfumato.polygon_integral. method 'boundary': quadrature along the edges, any n; 'recurrence': exact, whole
+        n; 'area': quadrature over the polygon, n up to a few hundred.
+        """
+    @staticmethod
+    def render(
+        scene: Scene,
+        camera: Camera,
+        width: int,
+        height: int,
+        sun_samples_per_axis: int = 8,
+        step: float = 0.01,
+        light_samples_per_axis: int = 1,
+    ) -> NDArray[numpy.float64]:
+        """The image of a scene with single scattering: (height, width, 4) float64, row 0 at the bottom."""
+    @staticmethod
+    def sphere_integral(
+        centre: ArrayLike, radius: ArrayLike, axis: ArrayLike, exponent: ArrayLike, normal: ArrayLike | None = None
+    ) -> NDArray[numpy.float64]:
+        """The same over spheres, by adaptive quadrature along their outlines. Arguments as in
+        sfumato.sphere_integral.
+        """
+    @staticmethod
+    def transmittance(depth: ArrayLike, alpha: ArrayLike, d: ArrayLike) -> NDArray[numpy.float64]:
+        """The share of light left behind flat absorbers: the product of 1 - alpha over all whose depth is at most d."""
+
+def sphere_integral(
+    centre: ArrayLike, radius: ArrayLike, axis: ArrayLike, exponent: ArrayLike, normal: ArrayLike | None = None
+) -> Any:
+    """As polygon_integral, over spheres that do not hold the origin: centre (..., 3), radius one or (...)."""
+
+def transmittance(
+    coefficients: ArrayLike,
+    depth: ArrayLike,
+    basis: str | LearnedBasis = "fourier",
+    range: ArrayLike | None = None,
+    evaluator: str = "clamp",
+) -> Any:
+    """The share of light that reaches each depth: exp of minus eq 3 of Jansen and Bavoil (2010)."""
+
+def transmittance_before(
+    coefficients: ArrayLike,
+    depth: ArrayLike,
+    optical_depth: ArrayLike,
+    basis: str | LearnedBasis = "fourier",
+    range: ArrayLike | None = None,
+    width: float = 0.0,
+) -> Any:
+    """The share of light that reaches the front of receivers which are among the absorbers, such as strands of hair:
+    what the series holds of a receiver's own optical depth is taken off (shaders/rays/opacity.glsl,
+    self_harmonic).
+    """
+
+def unpack(texels: ArrayLike, basis: str | LearnedBasis = "fourier") -> tuple[Any, ...]:
+    """The coefficients (..., n) and range (..., 2) of texels that pack made with the same basis."""
