@@ -24,6 +24,7 @@ class Frame:
         texels_per_cell: float = 1.0,
         steps_per_cell: float = 1.0,
         light_samples: int = 16,
+        prepared: Prepared | None = None,
     ) -> None: ...
     def light_map(self, light: int = 0, sample: int = 0, medium: int = 0) -> LightMap:
         """The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot
@@ -68,6 +69,14 @@ class Frame:
         """The share of a light that the smoke lets through to each of points (..., 3): (..., 3), RGB; light is its
         number. Solids are left out. Raises ValueError where there is no such light.
         """
+
+class Grid:
+    """Densities of smoke, cropped to the cells above empty_below (see emptiness)."""
+
+    def __init__(self, density: ArrayLike, empty_below: float = 0.0) -> None: ...
+    @property
+    def cells(self) -> int:
+        """How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it."""
 
 class LearnedBasis:
     """The functions that learn_basis made from a sample of rays."""
@@ -125,6 +134,29 @@ class LitMedium:
     def scattering(self) -> NDArray[numpy.float32]:
         """(3,), per metre and unit density."""
 
+class Mesh:
+    """Triangles that any number of objects may share, in a space of their own."""
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        normals: ArrayLike | None = None,
+        material: ArrayLike | None = None,
+        tangents: ArrayLike | None = None,
+    ) -> None: ...
+    @property
+    def triangles(self) -> int:
+        """How many there are."""
+
+class Prepared:
+    """What outlives a frame: the meshes, light maps and lit smoke of the last one, and the threads that make them, as many as `threads` says, or all for 0. Of the next frame only what has changed is made."""
+
+    def __init__(self, threads: int = 0) -> None: ...
+    @property
+    def made(self) -> dict:
+        """How many parts of each kind were ever made: what did not change is not made again."""
+
 class RayStorage:
     """A way to store light rays in a few bytes each, chosen by choose_basis."""
 
@@ -170,15 +202,30 @@ class Scene:
         into the whole angle spread, radians, in which it fades as 1 - tan(angle) / tan(spread / 2). Raises
         ValueError for a light without area, and for axes that are not at right angles.
         """
+    def add_instances(
+        self,
+        mesh: Mesh,
+        to_world: ArrayLike,
+        albedo: ArrayLike,
+        gloss: ArrayLike | None = None,
+        emission: ArrayLike | None = None,
+        diffuse_roughness: ArrayLike | None = None,
+    ) -> None:
+        """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
+        world. albedo (k, 3), gloss (k, 8), emission (k, 3) and diffuse_roughness (k,) are those of add_mesh, a
+        row for each material that the mesh names. Raises ValueError as add_mesh does, and for too few rows.
+        """
     def add_medium(
         self,
-        density: ArrayLike,
+        density: Grid | ArrayLike,
         grid_to_world: ArrayLike,
         scattering: ArrayLike,
         absorption: ArrayLike,
         anisotropy: float = 0.0,
     ) -> None:
-        """Add a body of smoke, of which there may be five. Where they overlap, their densities add."""
+        """Add a body of smoke, of which there may be five; or a Grid that was made before. Where they overlap, their
+        densities add.
+        """
     def add_mesh(
         self,
         vertices: ArrayLike,
@@ -226,6 +273,9 @@ def choose_basis(
 ) -> RayStorage:
     """The RayStorage that serves a sample of a scene's rays best in at most `bytes` a texel, and why."""
 
+def content_hash(*args: ) -> bytes:
+    """16 bytes that differ wherever arrays do: in type, shape or values (XXH3)."""
+
 def depth_range(
     depth: ArrayLike, optical_depth: ArrayLike, kind: str = "minmax", q: float = 3.0, width: float = 0.0
 ) -> NDArray[numpy.float32]:
@@ -272,6 +322,11 @@ def ellipse_integral(
     """As polygon_integral, over ellipses, both of whose sides shine: centre (..., 3) and the half axes u and v, (3,)
     or (..., 3), perpendicular. Two poles from n = 9, integrated along the outline exactly, horizons included;
     below, 64 corners, which leave up to 2e-4 beside large lights.
+    """
+
+def emptiness(shape: List[int[3]], grid_to_world: ArrayLike, extinction: ArrayLike) -> float:
+    """The density that could darken nothing by more than 1e-4 of optical depth along a grid's diagonal: what a frame
+    takes for empty. shape (nz, ny, nx); extinction (3,), per metre and unit density; infinite where that is 0.
     """
 
 def filter_map(coefficients: ArrayLike, width: float, kind: str = "box", range: ArrayLike | None = None) -> Any:
