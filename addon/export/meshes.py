@@ -26,7 +26,7 @@ class Triangles:
     tangents: NDArray[np.float32] | None  # (m, 3, 3)
 
 
-def mesh_of(thing: Any, slots: int, brushed: bool, view_layer: str, parts: Parts) -> Any | None:
+def mesh_of(thing: Any, slots: int, brushed: bool, depsgraph: Any, parts: Parts) -> Any | None:
     """The native mesh of an object with so many material slots, with tangents if its gloss is brushed; None without
     triangles. Raises ValueError for what cannot be shown."""
 
@@ -36,19 +36,22 @@ def mesh_of(thing: Any, slots: int, brushed: bool, view_layer: str, parts: Parts
             return None
         return found.vertices, found.triangles, found.normals, found.material, found.tangents
 
-    return parts.part(read, ("mesh",), core.module().Mesh, _owner(thing, (slots, brushed, view_layer)))
+    return parts.part(read, ("mesh",), core.module().Mesh, _owner(thing, depsgraph, (slots, brushed)))
 
 
-def _owner(thing: Any, how: tuple[Any, ...]) -> Owner | None:
-    """Whose mesh it is, if Blender would tell of its changes: what nodes make for an instance has no original."""
-    if not _own_data_will_do(thing):
+def _owner(thing: Any, depsgraph: Any, how: tuple[Any, ...]) -> Owner | None:
+    """Whose mesh it is, if Blender would tell of its changes: not of what nodes make for an instance, which takes the
+    place of the object's own data."""
+    if thing.type != "MESH" or thing.data.is_editmode:
         return None
     mesh, original = thing.data, thing.original
-    if original.data is None or not mesh.original.as_pointer() == original.data.as_pointer() != mesh.as_pointer():
+    own = original.evaluated_get(depsgraph).data
+    if own is None or own.as_pointer() != mesh.as_pointer():
         return None
     positions = core.module().content_hash(_vertices(mesh))
     addresses = original.as_pointer(), original.data.as_pointer()
-    return Owner(addresses, (positions, len(mesh.loops), len(mesh.polygons), *how))
+    view_layer = depsgraph.view_layer.name
+    return Owner(addresses, (positions, len(mesh.loops), len(mesh.polygons), view_layer, *how))
 
 
 def triangles_of(thing: Any, slots: int, brushed: bool = False) -> Triangles | None:

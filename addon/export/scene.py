@@ -66,7 +66,7 @@ def export(depsgraph: Any, parts: Parts | None = None) -> Export:
             if medium is not None:
                 media.append((thing.name, medium))
             elif thing.type in meshes.SURFACE_TYPES:
-                groups[key] = group = _group_of(thing, depsgraph.view_layer.name, parts, out.notices)
+                groups[key] = group = _group_of(thing, depsgraph, parts, out.notices)
                 if group is not None:
                     group.places.append(number)
         except ValueError as error:
@@ -107,13 +107,13 @@ def _group_key(thing: Any) -> tuple[int, int]:
     return 0, data_address
 
 
-def _group_of(thing: Any, view_layer: str, parts: Parts, notices: list[str]) -> _Group | None:
+def _group_of(thing: Any, depsgraph: Any, parts: Parts, notices: list[str]) -> _Group | None:
     """The surfaces of an object, without a place as yet; None where it has none."""
     surfaces = materials.surfaces(thing, notices)
     if surfaces is None:
         return None
     brushed = any(surface.alpha[0] != surface.alpha[1] for surface in surfaces)
-    mesh = meshes.mesh_of(thing, len(surfaces), brushed, view_layer, parts)
+    mesh = meshes.mesh_of(thing, len(surfaces), brushed, depsgraph, parts)
     if mesh is None:
         return None
     glows = any(surface.emission.any() for surface in surfaces)
