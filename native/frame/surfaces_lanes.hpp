@@ -143,7 +143,7 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     }
     alignas(64) int valid[LANES];
     valid_lanes(active, valid);
-    Rays<LANES>::intersect(valid, view.scene, rays);
+    Rays<LANES>::intersect(valid, view.scene, !view.instanced, rays);
 
     alignas(64) float hits[LANES];
     bool any = false;
@@ -163,9 +163,10 @@ Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
     alignas(64) std::int32_t materials[LANES];
     for (int lane = 0; lane < LANES; ++lane) {
         const bool hit = hits[lane] != 0.0F;
-        const Corners corners = hit ? corners_of(view.places[rays.hit.instID[0][lane]], rays.hit.primID[lane],
-                                                 rays.hit.u[lane], rays.hit.v[lane])
-                                    : Corners{};
+        const unsigned instance = rays.hit.instID[0][lane];
+        const unsigned place = instance != RTC_INVALID_GEOMETRY_ID ? instance : rays.hit.geomID[lane];
+        const Corners corners =
+            hit ? corners_of(view.places[place], rays.hit.primID[lane], rays.hit.u[lane], rays.hit.v[lane]) : Corners{};
         for (int axis = 0; axis < 3; ++axis) {
             normals[axis][lane] = corners.normal[axis];
             faces[axis][lane] = corners.face[axis];
@@ -222,7 +223,7 @@ Real visibility(const SurfaceView &view, const vec3 &point, const Towards &towar
     set_rays(rays, point, towards.direction, 0.0F, towards.distance);
     alignas(64) int valid[LANES];
     valid_lanes(asked, valid);
-    Rays<LANES>::occluded(valid, view.scene, rays);
+    Rays<LANES>::occluded(valid, view.scene, !view.instanced, rays);
     return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
 }
 

@@ -188,7 +188,7 @@ what has changed is made.
 >>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 >>> scene.add_instances(triangle, np.eye(4), albedo=[[0.8, 0.8, 0.8]])
 >>> first, second = Frame(scene, prepared=prepared), Frame(scene, prepared=prepared)
->>> prepared.made["meshes"]
+>>> prepared.made["places"]
 1
 )")
         .def(py::init([](int threads) {

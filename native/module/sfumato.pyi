@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Written by stub.py from the built module; do not edit.
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, overload
 
 import numpy
@@ -273,7 +273,7 @@ def choose_basis(
 ) -> RayStorage:
     """The RayStorage that serves a sample of a scene's rays best in at most `bytes` a texel, and why."""
 
-def content_hash(*args: ) -> bytes:
+def content_hash(*arrays: ArrayLike) -> bytes:
     """16 bytes that differ wherever arrays do: in type, shape or values (XXH3)."""
 
 def depth_range(
@@ -324,7 +324,7 @@ def ellipse_integral(
     below, 64 corners, which leave up to 2e-4 beside large lights.
     """
 
-def emptiness(shape: List[int[3]], grid_to_world: ArrayLike, extinction: ArrayLike) -> float:
+def emptiness(shape: Sequence[int], grid_to_world: ArrayLike, extinction: ArrayLike) -> float:
     """The density that could darken nothing by more than 1e-4 of optical depth along a grid's diagonal: what a frame
     takes for empty. shape (nz, ny, nx); extinction (3,), per metre and unit density; infinite where that is 0.
     """

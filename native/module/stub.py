@@ -19,7 +19,7 @@ from types import ModuleType
 HERE = Path(__file__).resolve().parent
 HEAD = """# SPDX-License-Identifier: GPL-3.0-or-later
 # Written by stub.py from the built module; do not edit.
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, overload
 
 import numpy
@@ -37,6 +37,8 @@ def python_type(text: str, argument: bool) -> str:
         return " | ".join(python_type(part, argument) for part in split(wrapped[1]))
     if array := re.fullmatch(r"numpy\.ndarray\[(.*)\]", text):
         return "ArrayLike" if argument else f"NDArray[{array[1]}]"
+    if re.fullmatch(r"List\[int\[\d+\]\]", text):
+        return "Sequence[int]"
     if text == "object":
         return "ArrayLike" if argument else "Any"
     return {"list": "list[Any]", "tuple": "tuple[Any, ...]"}.get(text, text)
@@ -51,6 +53,8 @@ def split(text: str) -> list[str]:
 def parameter(text: str) -> str:
     if text == "self" or text.startswith("self:"):
         return "self"
+    if text == "*args":
+        return "*arrays: ArrayLike"
     name, _, rest = text.partition(": ")
     kind, _, default = rest.partition(" = ")
     of_python = python_type(kind, argument=True)

@@ -14,8 +14,8 @@
 
 namespace sfumato {
 
-// One packet of rays, `Lanes` wide, against a scene: the first hit, or whether anything is hit at all. Rays count as
-// incoherent: Embree 3.13 never comes back from coherent packets that ask for occlusion among instances.
+// One packet of rays, `Lanes` wide, against a scene: the first hit, or whether anything is hit at all. Coherent
+// rays are faster; but among instances Embree 3.13 never comes back from coherent packets that ask for occlusion.
 template <int Lanes>
 struct Rays;
 
@@ -25,10 +25,10 @@ struct Rays;
     struct Rays<LANES> {                                                                                               \
         using RayHit = RTCRayHit##LANES;                                                                               \
         using Ray = RTCRay##LANES;                                                                                     \
-        static void intersect(const int *valid, RTCScene scene, RayHit &rays) {                                        \
+        static void intersect(const int *valid, RTCScene scene, bool, RayHit &rays) {                                  \
             rtcIntersect##LANES(valid, scene, &rays, nullptr);                                                         \
         }                                                                                                              \
-        static void occluded(const int *valid, RTCScene scene, Ray &rays) {                                            \
+        static void occluded(const int *valid, RTCScene scene, bool, Ray &rays) {                                      \
             rtcOccluded##LANES(valid, scene, &rays, nullptr);                                                          \
         }                                                                                                              \
     };
@@ -38,14 +38,16 @@ struct Rays;
     struct Rays<LANES> {                                                                                               \
         using RayHit = RTCRayHit##LANES;                                                                               \
         using Ray = RTCRay##LANES;                                                                                     \
-        static void intersect(const int *valid, RTCScene scene, RayHit &rays) {                                        \
+        static void intersect(const int *valid, RTCScene scene, bool coherent, RayHit &rays) {                         \
             RTCIntersectContext context;                                                                               \
             rtcInitIntersectContext(&context);                                                                         \
+            context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;    \
             rtcIntersect##LANES(valid, scene, &context, &rays);                                                        \
         }                                                                                                              \
-        static void occluded(const int *valid, RTCScene scene, Ray &rays) {                                            \
+        static void occluded(const int *valid, RTCScene scene, bool coherent, Ray &rays) {                             \
             RTCIntersectContext context;                                                                               \
             rtcInitIntersectContext(&context);                                                                         \
+            context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;    \
             rtcOccluded##LANES(valid, scene, &context, &rays);                                                         \
         }                                                                                                              \
     };

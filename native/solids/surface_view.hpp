@@ -24,8 +24,9 @@ struct PlaceView {
 };
 
 struct SurfaceView {
-    RTCScene scene = nullptr;          // of instances
-    const PlaceView *places = nullptr; // by Embree's number of the instance
+    RTCScene scene = nullptr;
+    bool instanced = false;            // whether any place is an instance to Embree
+    const PlaceView *places = nullptr; // by Embree's number of the instance, or else of the geometry
     // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, index, emission,
     // diffuse roughness (negative for none)
     const float *properties = nullptr;

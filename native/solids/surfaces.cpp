@@ -74,6 +74,25 @@ void append_rows(const Materials &materials, std::vector<float> &properties) {
     }
 }
 
+// The triangles of a shape, moved to their place.
+void copy_to_world(const Shape &shape, const glm::dmat4 &to_world, RTCGeometry geometry) {
+    auto *vertices = static_cast<glm::vec3 *>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), shape.vertices.size()));
+    if (vertices == nullptr) {
+        return; // the device knows
+    }
+    for (const glm::vec3 &vertex : shape.vertices) {
+        *vertices++ = glm::vec3(to_world * glm::dvec4(glm::dvec3(vertex), 1.0));
+    }
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, shape.triangles.data(), 0,
+                               sizeof(glm::uvec3), shape.triangles.size());
+}
+
+bool is_instanced(const Instances &mesh) {
+    constexpr std::size_t FEW = 20000; // triangles: a few milliseconds to copy
+    return mesh.to_world.size() > 1 || mesh.shape->triangles.size() > FEW;
+}
+
 bool stands(const Instances &mesh) {
     return mesh.shape && !mesh.shape->triangles.empty() && !mesh.to_world.empty();
 }
@@ -117,32 +136,46 @@ std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes) 
     Key key;
     for (const Instances &mesh : meshes) {
         if (stands(mesh)) {
-            key.part(solid(mesh.shape));
+            key.part(mesh.shape);
             key.numbers(std::span(&mesh.to_world.front()[0].x, 16 * mesh.to_world.size()));
+            if (is_instanced(mesh)) {
+                solid(mesh.shape); // asked for in this round too, though the places may be known
+            }
         }
     }
     return places_.get(key, [&] {
         Places places;
         places.scene.reset(rtcNewScene(device_.get()));
+        unsigned number = 0;
         for (const Instances &mesh : meshes) {
-            if (!stands(mesh)) {
-                continue;
-            }
-            const std::shared_ptr<const Solid> what = solid(mesh.shape);
-            for (const glm::mat4 &to_world : mesh.to_world) {
-                const RTCGeometry place = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
-                rtcSetGeometryInstancedScene(place, what->scene());
-                rtcSetGeometryTransform(place, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0].x);
-                rtcCommitGeometry(place);
-                rtcAttachGeometryByID(places.scene.get(), place, static_cast<unsigned>(places.solids.size()));
-                rtcReleaseGeometry(place);
-                places.solids.push_back(what);
+            if (stands(mesh)) {
+                attach(mesh, places, number);
             }
         }
         rtcCommitScene(places.scene.get());
-        require_memory(device_.get(), "the instances");
+        require_memory(device_.get(), "the triangles");
         return places;
     });
+}
+
+void Solids::attach(const Instances &mesh, Places &places, unsigned &number) {
+    const bool instanced = is_instanced(mesh);
+    places.instanced = places.instanced || instanced;
+    const std::shared_ptr<const Solid> what = instanced ? solid(mesh.shape) : nullptr;
+    places.kept.push_back(what ? std::shared_ptr<const void>(what) : mesh.shape);
+    for (const glm::mat4 &to_world : mesh.to_world) {
+        const RTCGeometry place =
+            rtcNewGeometry(device_.get(), instanced ? RTC_GEOMETRY_TYPE_INSTANCE : RTC_GEOMETRY_TYPE_TRIANGLE);
+        if (instanced) {
+            rtcSetGeometryInstancedScene(place, what->scene());
+            rtcSetGeometryTransform(place, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0].x);
+        } else {
+            copy_to_world(*mesh.shape, glm::dmat4(to_world), place);
+        }
+        rtcCommitGeometry(place);
+        rtcAttachGeometryByID(places.scene.get(), place, number++);
+        rtcReleaseGeometry(place);
+    }
 }
 
 void Solids::end_round() {
@@ -154,7 +187,6 @@ Surfaces::Surfaces(std::span<const Instances> meshes, Solids &solids) : places_(
     if (!places_) {
         return;
     }
-    views_.reserve(places_->solids.size());
     for (const Instances &mesh : meshes) {
         if (!stands(mesh)) {
             continue;
@@ -174,7 +206,8 @@ Surfaces::Surfaces(std::span<const Instances> meshes) {
 }
 
 SurfaceView Surfaces::view() const {
-    return {places_ ? places_->scene.get() : nullptr, views_.data(), properties_.data(), tangents_};
+    return {places_ ? places_->scene.get() : nullptr, places_ && places_->instanced, views_.data(), properties_.data(),
+            tangents_};
 }
 
 } // namespace sfumato

@@ -34,17 +34,18 @@ private:
     EmbreeScene scene_;
 };
 
-// Where the solids of a scene stand, for rays in the world.
+// Where the solids of a scene stand, for rays in the world. What stands in many places, or has many triangles, is an
+// instance of its solid. All else is copied there: rays meet that sooner, and it is soon copied again when it moves.
 struct Places {
-    std::vector<std::shared_ptr<const Solid>> solids; // of each place
+    std::vector<std::shared_ptr<const void>> kept; // what Embree refers to: solids, and the shapes of copies
     EmbreeScene scene;
+    bool instanced = false;
 };
 
 // What was made of shapes before.
 class Solids {
 public:
     explicit Solids(int threads = 0); // of Embree's own work; 0: as many as there are
-    std::shared_ptr<const Solid> solid(const std::shared_ptr<const Shape> &shape);
     std::shared_ptr<const Places> places(std::span<const Instances> meshes); // null where there are no triangles
     void end_round();
     // Ever.
@@ -52,6 +53,9 @@ public:
     [[nodiscard]] std::size_t places_made() const { return places_.made(); }
 
 private:
+    std::shared_ptr<const Solid> solid(const std::shared_ptr<const Shape> &shape);
+    void attach(const Instances &mesh, Places &places, unsigned &number);
+
     EmbreeDevice device_;
     int threads_;
     Kept<Solid> solids_;

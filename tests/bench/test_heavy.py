@@ -72,9 +72,9 @@ def test_heavy_rows_are_medians_of_processes() -> None:
 def test_surfaces_differ_by_the_largest_of_their_differences() -> None:
     fresh = np.array([0.5, 0.25, 100.0, np.inf], np.float32)
     assert bench_heavy.largest_difference(fresh, fresh) == 0.0
-    assert bench_heavy.largest_difference(fresh + np.float32([0, 0.125, 0, 0]), fresh) == 0.125
-    assert bench_heavy.largest_difference(fresh + np.float32([0, 0, 25.0, 0]), fresh) == 0.25
-    assert bench_heavy.largest_difference(np.float32([0.5, 0.25, np.inf, np.inf]), fresh) == np.inf
+    assert bench_heavy.largest_difference(fresh + np.array([0, 0.125, 0, 0], np.float32), fresh) == 0.125
+    assert bench_heavy.largest_difference(fresh + np.array([0, 0, 25.0, 0], np.float32), fresh) == 0.25
+    assert bench_heavy.largest_difference(np.array([0.5, 0.25, np.inf, np.inf], np.float32), fresh) == np.inf
     assert bench_heavy.relative_rmse(np.full((2, 2, 3), 1.5), np.full((2, 2, 3), 1.0)) == 0.5
 
 

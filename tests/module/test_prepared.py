@@ -187,7 +187,7 @@ def test_a_grid_is_the_array_that_it_was_made_of() -> None:
 
 
 def test_refusals() -> None:
-    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     with pytest.raises(ValueError, match="triangles holds 3 at flat index 2"):
         Mesh(corners, np.array([[0, 1, 3]], np.int32))
     with pytest.raises(ValueError, match="triangles holds -1 at flat index 0"):
@@ -195,7 +195,7 @@ def test_refusals() -> None:
     with pytest.raises(ValueError, match=r"normals has shape \(2, 3\), but must have \(3, 3\)"):
         Mesh(corners, [[0, 1, 2]], np.ones((2, 3)))
     with pytest.raises(ValueError, match="vertices holds nan at flat index 0"):
-        Mesh([[np.nan, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        Mesh(corners + np.array([np.nan, 0, 0]), [[0, 1, 2]])
     mesh = Mesh(corners, [[0, 1, 2]], material=[2])
     with pytest.raises(ValueError, match="albedo has 1 rows, but the mesh names 3 materials"):
         Scene().add_instances(mesh, np.eye(4), [[1, 1, 1]])

@@ -16,6 +16,7 @@ import harness
 import numpy as np
 import sfumato
 from mathutils import Matrix
+from sfumato import core  # type: ignore[attr-defined]
 from sfumato.export import parts, scene
 
 SIZE = 48, 32
@@ -226,9 +227,21 @@ def test_unchanged_meshes_are_not_read() -> None:
 def test_copies_share_one_mesh() -> None:
     prepare()
     kept = parts.Parts()
-    picture(kept)
+    module = core.module()
+    original, made = module.Mesh, []
+
+    def counted(*arrays: Any) -> Any:
+        made.append(original(*arrays))
+        return made[-1]
+
+    module.Mesh = counted
+    try:
+        picture(kept)
+    finally:
+        module.Mesh = original
     # The floor, the cube and its copies, the ball with its modifier, the ball in the collection without, the ring.
-    assert kept.native.made["meshes"] == 5, kept.native.made
+    assert len(made) == 5, made
+    assert kept.native.made["meshes"] == 1, kept.native.made  # what stands in one place is no instance
 
 
 def test_undo_is_followed() -> None:
