@@ -18,6 +18,7 @@ from .parts import Parts
 
 # What the viewport's shader takes (smoke_uniforms.glsl): each medium has three of the 16 textures that it may have.
 MOST_MEDIA, MOST_LIGHTS = 5, 16
+MOST_BODIES = 64  # of smoke, in a frame
 
 
 @dataclass
@@ -157,9 +158,15 @@ def add_surfaces(out: Export, group: _Group, places: NDArray[np.float64]) -> int
 def add_media(out: Export, media: list[tuple[str, smoke.Medium]]) -> None:
     """The bodies of smoke; where there are too many, those with the most in them."""
     media = sorted(media, key=lambda entry: entry[1].amount, reverse=True)
-    for name, _ in media[MOST_MEDIA:]:
-        out.notices.append(f"{name}: only {MOST_MEDIA} bodies of smoke are shown; this one has the least in it")
-    for name, medium in media[:MOST_MEDIA]:
+    for name, _ in media[MOST_BODIES:]:
+        out.notices.append(f"{name}: only {MOST_BODIES} bodies of smoke are shown; this one has the least in it")
+    if len(media) > MOST_MEDIA:
+        kept = ", ".join(name for name, _ in media[:MOST_MEDIA])
+        out.notices.append(
+            f"{len(media)} bodies of smoke: the viewport draws the {MOST_MEDIA} with the most in them, {kept}; "
+            "renders, and shadows on surfaces, have all"
+        )
+    for name, medium in media[:MOST_BODIES]:
         try:
             out.scene.add_medium(
                 medium.grid, medium.grid_to_world, medium.scattering, medium.absorption, medium.anisotropy

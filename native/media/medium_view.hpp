@@ -10,7 +10,7 @@
 
 namespace sfumato {
 
-constexpr std::size_t MAX_MEDIA = 5; // in one frame: what the viewport has textures for
+constexpr std::size_t MAX_MEDIA = 64; // in one frame
 
 // A grid of `channels` interleaved floats a cell, x running fastest.
 struct GridView {

@@ -255,7 +255,7 @@ material that the mesh names. Raises ValueError as add_mesh does, and for too fe
         .def(
             "add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
             py::arg("absorption"), py::arg("anisotropy") = 0.0F,
-            R"(Add a body of smoke, of which there may be five; or a Grid that was made before. Where they overlap, their densities add.
+            R"(Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their densities add.
 
 density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; the scene refers to the array
 instead of copying it, so it should not be changed while the scene is in use; grid_to_world (4, 4) takes

@@ -223,7 +223,7 @@ class Scene:
         absorption: ArrayLike,
         anisotropy: float = 0.0,
     ) -> None:
-        """Add a body of smoke, of which there may be five; or a Grid that was made before. Where they overlap, their
+        """Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their
         densities add.
         """
     def add_mesh(

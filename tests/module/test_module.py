@@ -379,7 +379,7 @@ def wrong_reference(**changed: Any) -> Callable[[], Any]:
 
 def overfull() -> None:
     scene = scene_of()
-    for _ in range(5):
+    for _ in range(64):
         scene.add_medium(**MEDIUM)
 
 
