@@ -48,7 +48,7 @@ void copy_cells(const Grid &grid, std::span<const float> stored, int channels, s
 enum class Layout { BEST, DENSE, BRICKS };
 
 // The cells above a threshold and all others between them; null where there is none. Cells up to the threshold are
-// empty, and so is what no block covers. No cell is in two blocks. The blocks are read twice.
+// empty, and so is what no block covers. No cell is in two blocks. The blocks are read three times.
 std::shared_ptr<const Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout = Layout::BEST);
 
 // The same of cells in turn, x fastest.

@@ -19,6 +19,8 @@ namespace {
 
 using namespace arguments;
 
+constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // of one grid: the lanes' indices have 32 bits
+
 // Rows of seven numbers in [0, 1] and an index of refraction.
 std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
     constexpr py::ssize_t WIDTH = 8;
@@ -158,7 +160,6 @@ CheckedGrid checked_grid(const Floats &density, float empty_below) {
     if (density.size() == 0) {
         throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
     }
-    constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // the lanes' indices have 32 bits
     if (density.size() > MOST_CELLS) {
         throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
     }
@@ -191,10 +192,15 @@ py::tuple shape_and_place(const VolumeHeader &header) {
 
 CheckedGrid grid_from_file(const std::string &path, const std::string &grid, float empty_below) {
     require_range(empty_below, 0.0F, std::numeric_limits<float>::infinity(), "empty_below");
-    return from_file([&] {
+    const CheckedGrid out = from_file([&] {
         const VolumeBlocks volume = read_volume_blocks(path, grid);
         return CheckedGrid{crop(volume.blocks, empty_below), glm::uvec3(volume.resolution)};
     });
+    if (out.grid && out.grid->density.size() > static_cast<std::size_t>(MOST_CELLS)) {
+        throw py::value_error("path '" + path + "' cannot be read: its grid '" + grid + "' takes " +
+                              std::to_string(out.grid->density.size()) + " cells, but can hold at most 2^29");
+    }
+    return out;
 }
 
 } // namespace
