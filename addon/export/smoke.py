@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,29 +47,42 @@ def medium_of(
     room = abs(float(np.linalg.det(matrix[:3, :3])))
     if room < 1e-12:
         raise ValueError(f"its scale {np.linalg.norm(matrix[:3, :3], axis=0).tolist()} leaves the smoke no room")
+    shape: tuple[int, ...]
     if settings is None:
-        density, grid_to_object = volume_grid(thing.data)
+        path, shape, grid_to_object = volume_file(thing.data)
     else:
         density, grid_to_object = domain_grid(settings, depsgraph.scene.frame_current)
+        shape = density.shape
     scattering, absorption, anisotropy = materials.cross_sections(thing, notices)
     if thing.type == "VOLUME" and thing.data.render.space == "OBJECT":
         # A volume's density is per unit of the object's own space, a domain's per metre.
         scale = room ** (1.0 / 3.0)
         scattering, absorption = scattering / scale, absorption / scale
     grid_to_world = matrix @ grid_to_object
-    emptiness = core.module().emptiness(density.shape, grid_to_world, scattering + absorption)
-    taken = parts.part(lambda: (density,), ("grid", emptiness), lambda cells: _taken(cells, emptiness))
-    assert taken is not None
-    grid, amount = taken
-    return Medium(grid, amount, grid_to_world, scattering, absorption, anisotropy)
+    emptiness = core.module().emptiness(shape, grid_to_world, scattering + absorption)
+    if settings is None:
+        grid = parts.part(
+            lambda: _size_and_time(path),
+            ("file", path, emptiness),
+            lambda _: core.module().Grid.from_file(path, empty_below=emptiness),
+        )
+    else:
+        grid = parts.part(lambda: (density,), ("grid", emptiness), lambda cells: _taken(cells, emptiness))
+    assert grid is not None
+    return Medium(grid, grid.amount, grid_to_world, scattering, absorption, anisotropy)
 
 
-def _taken(density: NDArray[np.float32], emptiness: float) -> tuple[Any, float]:
-    """The native grid, and the sum of all densities. Raises ValueError for densities that cannot be."""
-    amount = float(density.sum())
-    if not np.isfinite(amount) and not np.isfinite(density).all():
+def _taken(density: NDArray[np.float32], emptiness: float) -> Any:
+    """The native grid. Raises ValueError for densities that cannot be."""
+    if not np.isfinite(density.sum()) and not np.isfinite(density).all():
         raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
-    return core.module().Grid(density, emptiness), amount
+    return core.module().Grid(density, emptiness)
+
+
+def _size_and_time(path: str) -> tuple[NDArray[np.int64]]:
+    """What tells a file from what it was before."""
+    status = os.stat(path)
+    return (np.array([status.st_size, status.st_mtime_ns], np.int64),)
 
 
 def domain_grid(settings: Any, frame: int) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
@@ -93,16 +107,16 @@ def domain_grid(settings: Any, frame: int) -> tuple[NDArray[np.float32], NDArray
     return density.reshape(nz, ny, nx), grid_to_object
 
 
-def volume_grid(volume: Any) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Density (z, y, x) of a Volume object's file at this frame, and the matrix from its cells to the object."""
+def volume_file(volume: Any) -> tuple[str, tuple[int, int, int], NDArray[np.float64]]:
+    """The path of a Volume object's file at this frame, its density's shape, and the matrix from its cells to the object."""
     if not volume.filepath:
         raise ValueError("no file: choose an OpenVDB file")
     volume.grids.load()
     path = volume.grids.frame_filepath or bpy.path.abspath(volume.filepath, library=volume.library)
-    density, grid_to_object = core.module().read_volume(path)
-    if density.size == 0:
+    shape, grid_to_object = core.module().volume_header(path)
+    if 0 in shape:
         raise ValueError(f"'{path}' holds no smoke")
     # To OpenVDB a sample is a point of the lattice. Cycles takes it for the centre of a cell, half a cell further on:
     # that is where Mantaflow, which writes such files, means it to be.
     grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, 0.5)
-    return density, grid_to_object
+    return path, shape, grid_to_object

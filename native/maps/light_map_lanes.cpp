@@ -12,7 +12,7 @@
 
 namespace sfumato::SFUMATO_ISA {
 
-void light_slice(const LightSlice &slice); // light_slice_lanes.cpp
+void light_box(const LightBox &box); // light_box_lanes.cpp
 
 namespace {
 
@@ -169,6 +169,6 @@ void look_up(const LightMapView &map, const float *points, float *columns, int c
     }
 }
 
-extern const MapKernels map_kernels{project_row, look_up, light_slice};
+extern const MapKernels map_kernels{project_row, look_up, light_box};
 
 } // namespace sfumato::SFUMATO_ISA

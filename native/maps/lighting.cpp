@@ -323,17 +323,20 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
         for (std::size_t i = 0; i < views_.size(); ++i) {
             volumes.push_back(parts.volumes.get(volume_key(i, m, media, grey), [&] {
                 LightVolume volume(floats, 0.0F);
-                LightSlice slice;
-                slice.light = &views_[i];
-                slice.media = unlit.views;
-                slice.own = static_cast<int>(m);
-                slice.grey = grey;
-                slice.grid_to_world = affine(medium.grid_to_world);
-                slice.volume = volume.data();
-                oneapi::tbb::parallel_for(0, medium.grid->resolution.z, [&with, slice](int z) {
-                    LightSlice own = slice;
-                    own.z = z;
-                    map_kernels(with).light_slice(own);
+                LightBox box;
+                box.light = &views_[i];
+                box.media = unlit.views;
+                box.own = static_cast<int>(m);
+                box.grey = grey;
+                box.grid_to_world = affine(medium.grid_to_world);
+                const Grid &grid = *medium.grid;
+                oneapi::tbb::parallel_for(0, grid.boxes(), [&with, &grid, &volume, box](int number) {
+                    const Grid::Box stored = grid.box(number);
+                    LightBox own = box;
+                    own.first = stored.first;
+                    own.size = stored.size;
+                    own.values = volume.data() + stored.begin * (own.grey ? 2 : 4);
+                    map_kernels(with).light_box(own);
                 });
                 return volume;
             }));

@@ -9,6 +9,8 @@
 
 #include <span>
 
+#include <glm/vec3.hpp>
+
 namespace sfumato {
 
 // Projects one row of texels, slice by slice.
@@ -25,21 +27,21 @@ struct ProjectRow {
     float *scratch = nullptr;      // MAX_LANES + 1 floats a slice, aligned for lanes
 };
 
-// Fills one slice z of one light's volume.
-struct LightSlice {
+// Fills a box of cells of one light's volume: a slice, or a brick.
+struct LightBox {
     const LightView *light = nullptr;
     std::span<const MediumView> media;
     int own = 0; // which of the media is being lit
     bool grey = true;
     Affine grid_to_world;
-    float *volume = nullptr;
-    int z = 0;
+    glm::ivec3 first{0}, size{0};
+    float *values = nullptr; // of the box alone
 };
 
 struct MapKernels {
     void (*project_row)(const ProjectRow &);
     void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
-    void (*light_slice)(const LightSlice &);
+    void (*light_box)(const LightBox &);
 };
 
 const MapKernels &map_kernels(const InstructionSet &with = instruction_set());

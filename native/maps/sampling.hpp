@@ -35,7 +35,16 @@ inline Cell locate(const GridView &grid, const vec3 &p) {
     const Index i = split(p.x - 0.5F, grid.nx, cell.x);
     const Index j = split(p.y - 0.5F, grid.ny, cell.y);
     const Index k = split(p.z - 0.5F, grid.nz, cell.z);
-    cell.first = ((k * Index(grid.ny) + j) * Index(grid.nx) + i) * Index(grid.channels);
+    if (grid.bricks == nullptr) {
+        cell.first = ((k * Index(grid.ny) + j) * Index(grid.nx) + i) * Index(grid.channels);
+        return cell;
+    }
+    const auto brick = [](Index at) { return at >> STORED_BITS; };
+    const auto within = [](Index at) { return at & Index(STORED - 1); };
+    const Index first =
+        gather(grid.bricks, (brick(k) * Index(grid.bricks_y) + brick(j)) * Index(grid.bricks_x) + brick(i));
+    cell.first =
+        (first + (within(k) * Index(STORED_ROW) + within(j)) * Index(STORED_ROW) + within(i)) * Index(grid.channels);
     return cell;
 }
 
@@ -45,7 +54,7 @@ inline Real lerp(Real a, Real b, Real t) {
 
 inline Real sample(const GridView &grid, const Cell &cell, int channel) {
     const float *v = grid.values + channel;
-    const int x = grid.channels, y = x * grid.nx, z = y * grid.ny;
+    const int x = grid.channels, y = x * grid.row, z = x * grid.slice;
     const auto row = [&](int offset) {
         return lerp(gather(v + offset, cell.first), gather(v + offset + x, cell.first), cell.x);
     };

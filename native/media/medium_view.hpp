@@ -6,17 +6,27 @@
 #include "scene/affine.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace sfumato {
 
 constexpr std::size_t MAX_MEDIA = 64; // in one frame
 
+// Where less than half of a grid is filled, it is stored in bricks of STORED^3 cells and one more layer on the upper
+// sides, which the next bricks begin with: so interpolation reads one brick alone.
+constexpr int STORED_BITS = 3, STORED = 1 << STORED_BITS, STORED_ROW = STORED + 1;
+constexpr int STORED_CELLS = STORED_ROW * STORED_ROW * STORED_ROW;
+
 // A grid of `channels` interleaved floats a cell, x running fastest.
 struct GridView {
     const float *values = nullptr;
     int channels = 1;
     int nx = 0, ny = 0, nz = 0;
+    int row = 0, slice = 0; // cells from one row, and from one slice, to the next: of the grid or of each brick
+    // Where each brick begins in the values, cells; all that are empty share the first. Null where the grid is dense.
+    const std::int32_t *bricks = nullptr;
+    int bricks_x = 0, bricks_y = 0;
 };
 
 // For each brick of BRICK^3 cells: negative where smoke may be met, else the number of cells, along the axis in which

@@ -79,16 +79,21 @@ py::object surfaces(const Frame &frame, const Camera &camera, int width, int hei
 
 py::array_t<float> density_of(const CroppedMedium &medium) {
     const glm::ivec3 n = medium.grid->resolution;
-    return to_numpy(medium.grid->density, {n.z, n.y, n.x});
+    py::array_t<float> out({n.z, n.y, n.x});
+    copy_cells(*medium.grid, medium.grid->density, 1,
+               std::span(out.mutable_data(), static_cast<std::size_t>(out.size())));
+    return out;
 }
 
 py::array_t<float> light_of(const CroppedMedium &medium) {
     const glm::ivec3 n = medium.grid->resolution;
     py::array_t<float> out({static_cast<py::ssize_t>(medium.light.size()), py::ssize_t{n.z}, py::ssize_t{n.y},
                             py::ssize_t{n.x}, py::ssize_t{medium.light_channels}});
-    float *to = out.mutable_data();
+    std::span<float> left(out.mutable_data(), static_cast<std::size_t>(out.size()));
+    const std::size_t floats = medium.light.empty() ? 0 : left.size() / medium.light.size();
     for (const auto &volume : medium.light) {
-        to = std::copy(volume->begin(), volume->end(), to);
+        copy_cells(*medium.grid, *volume, medium.light_channels, left.first(floats));
+        left = left.subspan(floats);
     }
     return out;
 }

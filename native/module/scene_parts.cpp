@@ -4,6 +4,7 @@
 
 #include "media/medium.hpp"
 #include "module/parts.hpp"
+#include "scene/volume_file.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -17,6 +18,8 @@ namespace sfumato {
 namespace {
 
 using namespace arguments;
+
+constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // of one grid: the lanes' indices have 32 bits
 
 // Rows of seven numbers in [0, 1] and an index of refraction.
 std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
@@ -157,7 +160,6 @@ CheckedGrid checked_grid(const Floats &density, float empty_below) {
     if (density.size() == 0) {
         throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
     }
-    constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // the lanes' indices have 32 bits
     if (density.size() > MOST_CELLS) {
         throw py::value_error("density has shape " + shape_of(density) + ", but can hold at most 2^29 cells");
     }
@@ -170,6 +172,38 @@ CheckedGrid checked_grid(const Floats &density, float empty_below) {
     out.grid = crop(cells, glm::ivec3(out.resolution), empty_below);
     return out;
 }
+
+namespace {
+
+template <typename Read>
+auto from_file(const Read &read) {
+    try {
+        const py::gil_scoped_release unlocked;
+        return read();
+    } catch (const std::runtime_error &error) {
+        throw py::value_error(std::string("path ") + error.what());
+    }
+}
+
+py::tuple shape_and_place(const VolumeHeader &header) {
+    const glm::ivec3 n = header.resolution;
+    return py::make_tuple(py::make_tuple(n.z, n.y, n.x), to_numpy(header.grid_to_object));
+}
+
+CheckedGrid grid_from_file(const std::string &path, const std::string &grid, float empty_below) {
+    require_range(empty_below, 0.0F, std::numeric_limits<float>::infinity(), "empty_below");
+    const CheckedGrid out = from_file([&] {
+        const VolumeBlocks volume = read_volume_blocks(path, grid);
+        return CheckedGrid{crop(volume.blocks, empty_below), glm::uvec3(volume.resolution)};
+    });
+    if (out.grid && out.grid->density.size() > static_cast<std::size_t>(MOST_CELLS)) {
+        throw py::value_error("path '" + path + "' cannot be read: its grid '" + grid + "' takes " +
+                              std::to_string(out.grid->density.size()) + " cells, but can hold at most 2^29");
+    }
+    return out;
+}
+
+} // namespace
 
 Scene ConsoleScene::for_reference() const {
     Scene scene = *this;
@@ -218,6 +252,19 @@ takes for empty. shape (nz, ny, nx); extinction (3,), per metre and unit density
 >>> round(emptiness((12, 4, 3), np.eye(4), extinction=(1, 5, 1)) * 5 * 13 * 1e4, 6)
 1.0
 )");
+    m.def(
+        "volume_header",
+        [](const std::string &path, const std::string &grid) {
+            return shape_and_place(from_file([&] { return read_volume_header(path, grid); }));
+        },
+        py::arg("path"), py::arg("grid") = "density",
+        R"(Of what read_volume gives, the density's shape (nz, ny, nx) and grid_to_object (4, 4), read from the file's
+header alone where it has them. Raises ValueError as read_volume does.
+
+>>> volume_header("missing.vdb")  # doctest: +ELLIPSIS
+Traceback (most recent call last):
+ValueError: path 'missing.vdb' cannot be read: ...
+)");
     py::class_<CheckedGrid>(m, "Grid", R"(Densities of smoke, cropped to the cells above empty_below (see emptiness).
 
 density (nz, ny, nx), not negative. Scene.add_medium takes a Grid for its density: add the same one again, with a lamp
@@ -231,9 +278,24 @@ Raises ValueError for an empty, negative or non-finite density.
 120
 )")
         .def(py::init(&checked_grid), py::arg("density"), py::arg("empty_below") = 0.0F)
+        .def_static("from_file", &grid_from_file, py::arg("path"), py::arg("grid") = "density",
+                    py::arg("empty_below") = 0.0F,
+                    R"(The Grid of what read_volume gives, without that array in between. Raises ValueError that names
+the file and the cause.
+
+>>> Grid.from_file("missing.vdb")  # doctest: +ELLIPSIS
+Traceback (most recent call last):
+ValueError: path 'missing.vdb' cannot be read: ...
+)")
+        .def_property_readonly(
+            "amount", [](const CheckedGrid &grid) { return grid.grid ? grid.grid->amount : 0.0; },
+            "The sum of all densities that are kept.")
         .def_property_readonly(
             "cells", [](const CheckedGrid &grid) { return grid.grid ? grid.grid->density.size() : 0; },
-            "How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it.");
+            "How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it. Where "
+            "most of\n"
+            "what lies between is empty, those of bricks of 9^3 cells, one of which is empty and stands for all that "
+            "are.");
 }
 
 } // namespace sfumato

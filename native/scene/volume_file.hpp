@@ -2,6 +2,9 @@
 // Smoke from .vdb files. The only file that knows OpenVDB.
 #pragma once
 
+#include "scene/cell_block.hpp"
+
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,14 +13,29 @@
 
 namespace sfumato {
 
-struct VolumeFile {
+struct VolumeHeader {
     glm::ivec3 resolution{0};       // of the box around the active voxels, zero where there are none
-    std::vector<float> density;     // x runs fastest
     glm::dmat4 grid_to_object{1.0}; // from cells, as in scene.hpp, to the file's own space
+};
+
+struct VolumeFile : VolumeHeader {
+    std::vector<float> density; // x runs fastest
+};
+
+// What of a grid is stored, as it is stored: blocks of voxels, and what they point into.
+struct VolumeBlocks : VolumeHeader {
+    std::vector<CellBlock> blocks; // no cell is in two of them; where none is, the density is 0
+    std::shared_ptr<const void> owner;
 };
 
 // Reads one grid of scalars. Throws std::runtime_error, which names the file and the cause: a file that is missing,
 // truncated or no OpenVDB file, a grid that is not there or holds no floats, a box too large for memory.
 VolumeFile read_volume(const std::string &path, const std::string &grid);
+
+// Of the same grid, and refused likewise, without a look at its voxels where the file tells their box by itself.
+VolumeHeader read_volume_header(const std::string &path, const std::string &grid);
+
+// The same grid without an array of its box. Voxels that are negative or above 1e30 are refused too.
+VolumeBlocks read_volume_blocks(const std::string &path, const std::string &grid);
 
 } // namespace sfumato

@@ -112,6 +112,13 @@ inline Real gather(const float *source, Index index) {
     return Real::gather(source, index);
 #endif
 }
+inline Index gather(const std::int32_t *source, Index index) {
+#ifdef __AVX512F__
+    return _mm512_i32gather_epi32(index, source, sizeof(std::int32_t));
+#else
+    return Index::gather(source, index);
+#endif
+}
 inline Index truncate(Real x) {
     return xsimd::to_int(x);
 }

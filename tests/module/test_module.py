@@ -27,6 +27,8 @@ def documented(owner: Any, name: str) -> Iterator[tuple[str, Any]]:
     for key, member in vars(owner).items():
         if key.startswith("_"):
             continue
+        if isinstance(member, staticmethod):  # which has no docstring of its own
+            member = member.__func__
         if inspect.ismodule(member):
             yield from documented(member, f"{name}.{key}")
         elif inspect.isclass(member):

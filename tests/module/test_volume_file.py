@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import sfumato
 
@@ -45,3 +46,54 @@ def test_a_whole_file_is_read() -> None:
     density, grid_to_object = sfumato.read_volume(str(FIRE))
     assert density.shape == (62, 56, 62) and density.min() >= 0.0
     assert grid_to_object.shape == (4, 4) and (grid_to_object[3] == (0, 0, 0, 1)).all()
+
+
+def trail(cells: int = 96) -> np.ndarray:
+    """A diagonal row of cells, and nothing else."""
+    density = np.zeros((cells, cells, cells), np.float32)
+    density[np.arange(cells), np.arange(cells), np.arange(cells)] = 1.0
+    return density
+
+
+def picture(density: np.ndarray | sfumato.Grid, grid_to_world: np.ndarray) -> np.ndarray:
+    scene = sfumato.Scene()
+    scene.add_medium(density, grid_to_world, (2, 2, 2), (1, 1, 1))
+    scene.add_sun((0.3, 0.5, -1), (4, 4, 4))
+    return sfumato.Frame(scene).render(sfumato.Camera(np.diag([0.2, 0.2, -0.1, 1.0])), 32, 32)
+
+
+def test_a_grid_from_a_file_is_that_of_its_array() -> None:
+    density, grid_to_object = sfumato.read_volume(str(FIRE))
+    shape, place = sfumato.volume_header(str(FIRE))
+    assert shape == density.shape and (place == grid_to_object).all()
+    empty_below = sfumato.emptiness(shape, place, (3, 3, 3))
+    grid = sfumato.Grid.from_file(str(FIRE), empty_below=empty_below)
+    assert grid.amount == pytest.approx(density[density > empty_below].sum(dtype=float), rel=1e-6)
+    assert grid.cells == sfumato.Grid(density, empty_below).cells
+    rendered = picture(grid, place)
+    assert rendered[..., 3].max() > 0.1  # there is something to see
+    assert np.abs(rendered - picture(density, place)).max() < 1e-6
+
+
+def test_grids_from_files_are_refused_as_their_arrays_are(tmp_path: Path) -> None:
+    for read in (sfumato.volume_header, sfumato.Grid.from_file):
+        with pytest.raises(ValueError, match="it has no grid 'heat', but 'density'"):
+            read(str(FIRE), "heat")
+        with pytest.raises(ValueError, match=f"path '{tmp_path}' cannot be read: it is a directory"):
+            read(str(tmp_path))
+    with pytest.raises(ValueError, match="empty_below"):
+        sfumato.Grid.from_file(str(FIRE), empty_below=float("nan"))
+
+
+def test_what_is_mostly_empty_takes_few_cells_and_is_given_whole() -> None:
+    density = trail()
+    grid = sfumato.Grid(density)
+    assert 0 < grid.cells < 0.1 * density.size
+    scene = sfumato.Scene()
+    scene.add_medium(grid, np.eye(4), (1, 1, 1), (0, 0, 0))
+    scene.add_sun((0, 0, -1), (4, 4, 4))
+    medium = sfumato.Frame(scene).media[0]
+    assert (medium.density[1:-1, 1:-1, 1:-1] == density).all()
+    assert medium.density.sum() == density.sum()
+    diagonal = medium.light[0][1:-1, 1:-1, 1:-1][density > 0]
+    assert (diagonal[:, 1] == 1.0).all()  # no solid is in the way

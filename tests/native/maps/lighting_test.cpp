@@ -58,12 +58,12 @@ template <typename Visit>
 void for_each_lit_cell(const Lit &lit, std::size_t medium, std::size_t light, int stride, const Visit &visit) {
     const CroppedMedium &smoke = lit.media[medium];
     const glm::ivec3 n = smoke.grid->resolution;
-    const std::vector<float> &density = smoke.grid->density;
-    const float *values = smoke.light[light]->data();
     int cells = 0;
-    for (std::size_t cell = 0; cell < density.size(); ++cell, values += smoke.light_channels) {
-        if (density[cell] > 1e-3F && cells++ % stride == 0) {
-            const glm::ivec3 at(int(cell) % n.x, int(cell) / n.x % n.y, int(cell) / n.x / n.y);
+    for (int cell = 0; cell < n.x * n.y * n.z; ++cell) {
+        const glm::ivec3 at(cell % n.x, cell / n.x % n.y, cell / n.x / n.y);
+        const std::ptrdiff_t place = smoke.grid->place_of(at);
+        if (smoke.grid->density[std::size_t(place)] > 1e-3F && cells++ % stride == 0) {
+            const float *values = smoke.light[light]->data() + place * smoke.light_channels;
             visit(glm::dvec3(smoke.grid_to_world * glm::dvec4(glm::dvec3(at) + 0.5, 1.0)), values);
         }
     }

@@ -19,9 +19,7 @@ using reference::testing::random_medium;
 using reference::testing::uniform_medium;
 
 float density(const CroppedMedium &medium, const glm::ivec3 &cell) {
-    const glm::ivec3 &n = medium.grid->resolution;
-    const std::ptrdiff_t row = std::ptrdiff_t{cell.z} * n.y + cell.y;
-    return medium.grid->density[static_cast<std::size_t>(row * n.x + cell.x)];
+    return medium.grid->density[static_cast<std::size_t>(medium.grid->place_of(cell))];
 }
 
 template <typename Visit>

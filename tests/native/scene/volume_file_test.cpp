@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // .vdb files: what is read, and how files that cannot be are refused.
+#include "media/grid.hpp"
 #include "scene/volume_file.hpp"
 
 #include <cmath>
@@ -54,13 +55,42 @@ protected:
         return out;
     }
     static std::string refusal(const std::string &path, const std::string &name = "density") {
+        const std::string said = refusal_by(read_volume, path, name);
+        EXPECT_EQ(refusal_by(read_volume_blocks, path, name), said);
+        return said;
+    }
+    template <typename Read>
+    static std::string refusal_by(const Read &read, const std::string &path, const std::string &name = "density") {
         try {
-            read_volume(path, name);
+            read(path, name);
         } catch (const std::runtime_error &error) {
             EXPECT_NE(std::string(error.what()).find("'" + path + "' cannot be read: "), std::string::npos);
             return std::string(error.what()).substr(path.size() + std::string("'' cannot be read: ").size());
         }
         return "nothing was refused";
+    }
+    // That the blocks of a file hold what its dense array holds, and its header says where.
+    static void expect_the_same(const std::string &file, bool in_bricks) {
+        const VolumeFile dense = read_volume(file, "density");
+        const VolumeBlocks blocks = read_volume_blocks(file, "density");
+        const VolumeHeader header = read_volume_header(file, "density");
+        for (const VolumeHeader &other : {static_cast<const VolumeHeader &>(blocks), header}) {
+            EXPECT_EQ(other.resolution, dense.resolution);
+            EXPECT_EQ(other.grid_to_object, dense.grid_to_object);
+        }
+        for (const float threshold : {0.0F, 0.3F}) {
+            const auto expected = crop(dense.density, dense.resolution, threshold, Layout::DENSE);
+            const auto found = crop(blocks.blocks, threshold);
+            ASSERT_TRUE(expected && found);
+            EXPECT_EQ(found->stored.empty(), !in_bricks);
+            EXPECT_EQ(found->first, expected->first);
+            EXPECT_EQ(found->resolution, expected->resolution);
+            EXPECT_EQ(found->clearance, expected->clearance);
+            EXPECT_NEAR(found->amount, expected->amount, 1e-6 * expected->amount);
+            std::vector<float> cells(expected->density.size());
+            copy_cells(*found, found->density, 1, cells);
+            EXPECT_EQ(cells, expected->density);
+        }
     }
 
     std::filesystem::path folder;
@@ -77,6 +107,52 @@ TEST_F(Files, AreReadWhereTheirVoxelsAre) {
     const glm::dvec4 centre = volume.grid_to_object * glm::dvec4(0.5, 0.5, 0.5, 1.0);
     EXPECT_EQ(centre, glm::dvec4(1.5, -2.0, 2.5, 1.0));
     EXPECT_EQ(read_volume(write({grid()}), "density").resolution, glm::ivec3(0)); // no smoke yet
+}
+
+TEST_F(Files, AreReadInBlocksAsTheyAreReadDensely) {
+    expect_the_same(write({ball()}), false);
+    const auto trail = grid(); // far from the origin, below it, and half a leaf off
+    trail->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    std::mt19937 generator(2);
+    for (int i = 0; i < 150; ++i) {
+        trail->tree().setValue({i - 3, 2 * i - 101, 7 - i}, 0.1F + float(generator() % 1000) / 1000.0F);
+    }
+    expect_the_same(write({trail}), true);
+    trail->setSaveFloatAsHalf(true);
+    expect_the_same(write({trail}), true);
+    const auto stored_nowhere = trail->deepCopy(); // voxels that are off keep their values
+    stored_nowhere->tree().setValueOff({20, -60, -20}, 0.7F);
+    stored_nowhere->tree().setValueOff({-20, -120, 30}, 0.7F); // outside the box
+    expect_the_same(write({stored_nowhere}), true);
+    const auto tiles = trail->deepCopy(); // of 8^3, and of 128^3, which the box cuts
+    tiles->tree().addTile(1, {40, -40, -40}, 0.5F, true);
+    tiles->tree().addTile(1, {80, -40, -40}, 0.6F, false);
+    expect_the_same(write({tiles}), true);
+    tiles->tree().addTile(2, {0, 0, -128}, 0.4F, false);
+    expect_the_same(write({tiles}), true);
+    const auto foggy = openvdb::FloatGrid::create(0.5F); // all that is stored nowhere is smoke too
+    foggy->setName("density");
+    foggy->tree().setValue({0, 0, 0}, 1.0F);
+    foggy->tree().setValue({9000, 3, 3}, 0.0F);
+    expect_the_same(write({foggy}), false);
+}
+
+TEST_F(Files, WithoutSmokeHaveNoBlocks) {
+    const std::string file = write({grid()});
+    EXPECT_EQ(read_volume_header(file, "density").resolution, glm::ivec3(0));
+    EXPECT_EQ(read_volume_blocks(file, "density").resolution, glm::ivec3(0));
+    EXPECT_TRUE(read_volume_blocks(file, "density").blocks.empty());
+}
+
+TEST_F(Files, WithDensitiesThatCannotBeAreRefused) {
+    const auto some = grid();
+    some->tree().setValue({3, -4, 5}, -1.0F);
+    EXPECT_EQ(refusal_by(read_volume_blocks, write({some})),
+              "its grid 'density' holds -1.000000 at voxel [3, -4, 5], but a density is in [0, 1e30]");
+    const auto tile = grid();
+    tile->tree().addTile(1, {8, 16, 24}, -2.0F, true);
+    EXPECT_EQ(refusal_by(read_volume_blocks, write({tile})),
+              "its grid 'density' holds -2.000000 at voxel [8, 16, 24], but a density is in [0, 1e30]");
 }
 
 TEST_F(Files, ThatAreNoneAreNamed) {

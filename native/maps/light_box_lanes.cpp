@@ -23,13 +23,13 @@ inline Real solid_occlusion(const LightMapView &map, const Texels &texels, Real 
 }
 
 // Whether interpolation in a brick that holds smoke can reach any of these cells: an empty cell beside smoke counts.
-inline bool within_reach(const ClearanceView &bricks, const vec3 &p) {
+inline Mask within_reach(const ClearanceView &bricks, const vec3 &p) {
     Mask reached(false);
     for (int corner = 0; corner < 8; ++corner) {
         const auto side = [corner](int axis) { return (corner >> axis & 1) != 0 ? 1.0F : -1.0F; };
         reached = reached | (clearance_at(bricks, {p.x + side(0), p.y + side(1), p.z + side(2)}) < 0.0F);
     }
-    return xsimd::any(reached);
+    return reached;
 }
 
 struct Arriving {
@@ -40,10 +40,10 @@ struct Arriving {
 // Averages over the light's samples: of what each brings, what solids let through, and of that what smoke lets through,
 // as the optical depth of the mean transmittance. Behind solids nothing arrives, but between a lit cell and one behind
 // a solid the smoke's own depth is what must be interpolated: there it is taken without the solids.
-Arriving arriving(const LightSlice &slice, const vec3 &world) {
-    const LightView &light = *slice.light;
-    const int colours = slice.grey ? 1 : 3;
-    const auto media = static_cast<std::ptrdiff_t>(slice.media.size());
+Arriving arriving(const LightBox &box, const vec3 &world) {
+    const LightView &light = *box.light;
+    const int colours = box.grey ? 1 : 3;
+    const auto media = static_cast<std::ptrdiff_t>(box.media.size());
     Real past_solids = 0.0F, sent = 0.0F;
     Real past_smoke[3] = {0.0F, 0.0F, 0.0F}, unblocked[3] = {0.0F, 0.0F, 0.0F};
     Arriving out;
@@ -60,9 +60,9 @@ Arriving arriving(const LightSlice &slice, const vec3 &world) {
             const Texels texels = locate(maps[m], place.x, place.y);
             const Real column = column_density(maps[m], texels, place.z);
             for (int c = 0; c < colours; ++c) {
-                depth[c] = depth[c] + column * slice.media[static_cast<std::size_t>(m)].extinction[c];
+                depth[c] = depth[c] + column * box.media[static_cast<std::size_t>(m)].extinction[c];
             }
-            if (m == slice.own) {
+            if (m == box.own) {
                 visible = weight * (1.0F - solid_occlusion(maps[m], texels, place.z));
             }
         }
@@ -89,30 +89,54 @@ Arriving arriving(const LightSlice &slice, const vec3 &world) {
     return out;
 }
 
+// The centres of the next cells of a box from `at` on, row after row: of those behind its end, anywhere. The rows of a
+// brick are short, so packets do not end with them.
+vec3 next_centres(const LightBox &box, glm::ivec3 &at) {
+    const auto advance = [&](int cells) {
+        at.x += cells;
+        if (at.x == box.size.x) {
+            at.x = 0;
+            at.y = at.y + 1 == box.size.y ? 0 : at.y + 1;
+            at.z += at.y == 0 ? 1 : 0;
+        }
+    };
+    if (at.x + LANES <= box.size.x) {
+        const glm::vec3 first = glm::vec3(box.first + at) + 0.5F;
+        advance(LANES);
+        return {lane_numbers() + first.x, Real(first.y), Real(first.z)};
+    }
+    alignas(64) float centres[3][LANES];
+    for (int lane = 0; lane < LANES; ++lane) {
+        for (int axis = 0; axis < 3; ++axis) {
+            centres[axis][lane] = static_cast<float>(box.first[axis] + at[axis]) + 0.5F;
+        }
+        advance(1);
+    }
+    return {Real::load_aligned(centres[0]), Real::load_aligned(centres[1]), Real::load_aligned(centres[2])};
+}
+
 } // namespace
 
-void light_slice(const LightSlice &slice) {
-    const MediumView &own = slice.media[static_cast<std::size_t>(slice.own)];
-    const int colours = slice.grey ? 1 : 3, channels = colours + 1;
-    const int nx = own.density.nx, ny = own.density.ny;
-    const Real z = static_cast<float>(slice.z) + 0.5F;
-    for (int y = 0; y < ny; ++y) {
-        for (int x = 0; x < nx; x += LANES) {
-            const vec3 p{lane_numbers() + (static_cast<float>(x) + 0.5F), Real(static_cast<float>(y) + 0.5F), z};
-            if (!within_reach(own.clearance, p)) {
-                continue;
-            }
-            const Arriving light = arriving(slice, transform_point(slice.grid_to_world, p));
-            alignas(64) float lanes[4][LANES];
-            for (int c = 0; c < colours; ++c) {
-                light.optical_depth[c].store_aligned(lanes[c]);
-            }
-            light.share.store_aligned(lanes[colours]);
-            const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(slice.z) * ny + y) * nx;
-            for (int lane = 0; lane < LANES && x + lane < nx; ++lane) {
-                for (int c = 0; c < channels; ++c) {
-                    slice.volume[(row + x + lane) * channels + c] = lanes[c][lane];
-                }
+void light_box(const LightBox &box) {
+    const MediumView &own = box.media[static_cast<std::size_t>(box.own)];
+    const int colours = box.grey ? 1 : 3, channels = colours + 1;
+    const std::ptrdiff_t cells = std::ptrdiff_t{box.size.x} * box.size.y * box.size.z;
+    glm::ivec3 at(0);
+    for (std::ptrdiff_t cell = 0; cell < cells; cell += LANES) {
+        const vec3 p = next_centres(box, at);
+        const Mask reached = within_reach(own.clearance, p);
+        if (!xsimd::any(reached)) {
+            continue;
+        }
+        const Arriving light = arriving(box, transform_point(box.grid_to_world, p));
+        alignas(64) float lanes[4][LANES];
+        for (int c = 0; c < colours; ++c) {
+            pick(reached, light.optical_depth[c], 0.0F).store_aligned(lanes[c]);
+        }
+        pick(reached, light.share, 0.0F).store_aligned(lanes[colours]);
+        for (int lane = 0; lane < LANES && cell + lane < cells; ++lane) {
+            for (int c = 0; c < channels; ++c) {
+                box.values[(cell + lane) * channels + c] = lanes[c][lane];
             }
         }
     }
