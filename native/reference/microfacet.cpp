@@ -264,7 +264,8 @@ Pair over_unit_square(const std::function<Pair(double, double)> &f) {
     Pair sum{0.0, 0.0};
     constexpr int PANELS = 4;
     for (int j = 0; j < PANELS * PANELS; ++j) {
-        const double u = static_cast<double>(j % PANELS) / PANELS, v = static_cast<double>(j / PANELS) / PANELS;
+        const int row = j / PANELS, column = j % PANELS;
+        const double u = static_cast<double>(column) / PANELS, v = static_cast<double>(row) / PANELS;
         const double d = 1.0 / PANELS;
         sum = sum + over_square(f, u, u + d, v, v + d, on_square(f, u, u + d, v, v + d), 1e-8, 12);
     }

@@ -29,8 +29,8 @@ double nanoseconds(std::size_t each, const Work &work) {
 }
 
 void print(const char *what, const std::string &method, std::size_t count, double time, bool last = false) {
-    std::printf("{\"what\": \"%s\", \"method\": \"%s\", \"count\": %zu, \"nanoseconds\": %.2f}%s", what, method.c_str(),
-                count, time, last ? "]\n" : ", ");
+    std::printf(R"({"what": "%s", "method": "%s", "count": %zu, "nanoseconds": %.2f}%s)", what, method.c_str(), count,
+                time, last ? "]\n" : ", ");
 }
 
 struct Batch {
@@ -62,10 +62,10 @@ void builds(std::size_t absorbers, float width) {
     const Batch rays(absorbers, width);
     const std::vector<Range> whole(RAYS);
     const char *what = width > 0.0F ? "build slabs" : "build";
-    for (const auto &[name, count] : {std::pair{FOURIER, 7U}, {PIECEWISE, 7U}, {COSINE, 15U}}) {
-        const Series series{name, count, {}};
+    for (const Series &series : {Series{FOURIER, 7, {}}, Series{PIECEWISE, 7, {}}, Series{COSINE, 15, {}}}) {
+        const std::size_t count = series.count;
         std::vector<float> c(RAYS * count);
-        print(what, BASES[name].name, absorbers, nanoseconds(RAYS, [&] {
+        print(what, series.basis().name, absorbers, nanoseconds(RAYS, [&] {
                   std::fill(c.begin(), c.end(), 0.0F);
                   for (std::size_t ray = 0; ray < RAYS; ++ray) {
                       project(series, rays.at(ray), whole[ray], std::span(c).subspan(ray * count, count));

@@ -34,7 +34,7 @@ const double variance = moment(2, 1.5) / moment(0, 1.5);
 TEST(BlackmanHarrisQuantile, IsTheInverseOfTheWindowsIntegral) {
     for (int i = 1; i < 100; ++i) {
         const float u = float(i) / 100.0F;
-        const double x = double{blackman_harris_quantile(u)};
+        const auto x = double{blackman_harris_quantile(u)};
         EXPECT_NEAR(moment(0, x) / moment(0, 1.5), u, 1e-5) << u;
     }
 }

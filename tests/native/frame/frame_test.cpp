@@ -83,7 +83,7 @@ TEST(Picture, OfColouredSmokeIsThatOfTheReferenceAndOfThreeGreyOnes) {
         grey.media[0].scattering = glm::vec3(scene.media[0].scattering[c]);
         grey.media[0].absorption = glm::vec3(scene.media[0].absorption[c]);
         const std::vector<float> image = render(grey);
-        for (std::size_t i = std::size_t(c); i < image.size(); i += 4) {
+        for (auto i = std::size_t(c); i < image.size(); i += 4) {
             EXPECT_NEAR(coloured[i], image[i], 2e-5F) << "colour " << c;
         }
     }
@@ -285,7 +285,7 @@ TEST(Film, SeesThePenumbraOfAHalfPlane) {
     for (int x = 0; x < WIDTH; ++x) {
         const double at = -0.32 + 0.64 * (x + 0.5) / WIDTH;
         const double expected = disk_beyond(-at / (2.0 * std::tan(0.1)));
-        const double value = double{image[std::size_t(4 * (WIDTH * 9 + x))]};
+        const auto value = double{image[std::size_t(4 * (WIDTH * 9 + x))]};
         // On the very rim all pixels around one may find the same: it is not refined.
         EXPECT_NEAR(value, expected, std::abs(expected - 0.5) < 0.3 ? 0.04 : 0.08) << "x = " << at;
         sum += value - expected;
