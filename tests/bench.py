@@ -16,6 +16,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 ROOM = Path(__file__).resolve().parent / "bench"
 sys.path.insert(0, str(ROOM))
@@ -147,10 +148,21 @@ def area_lights() -> tuple[Sequence[Row], list[str]]:
     return rows, remarks
 
 
-SUBJECTS: dict[str, Callable[[], tuple[Sequence[Row], list[str]]]] = {
+def heavy(**options: Any) -> tuple[Sequence[Row], list[str]]:
+    """Scenes with many triangles, many objects and much smoke, against another commit and against Cycles."""
+    from bench_heavy import heavy as heavy_scenes
+
+    try:
+        return heavy_scenes(**options)
+    except ValueError as error:  # of an option
+        raise SystemExit(str(error)) from error
+
+
+SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "arealights": area_lights,
     "cost": scale,
     "cycles": against_cycles,
+    "heavy": heavy,
     "lightmaps": light_maps,
     "lights": lights,
 }
@@ -168,9 +180,9 @@ def table(rows: Sequence[Row]) -> str:
         names = [*COLUMNS, *(name for name in numbers if name not in COLUMNS)]
         if row["metric"] != metric:
             metric = row["metric"]
-            lines += [f"error: {metric}", f"{'case':13} {'method':18} " + " ".join(f"{name:>12}" for name in names)]
+            lines += [f"error: {metric}", f"{'case':15} {'method':18} " + " ".join(f"{name:>12}" for name in names)]
         cells = " ".join(f"{cell(numbers[name]):>12}" for name in names)
-        lines.append(f"{row['case']:13} {row['method']:18} {cells}")
+        lines.append(f"{row['case']:15} {row['method']:18} {cells}")
     return "\n".join(lines)
 
 
@@ -184,8 +196,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure one subject and print a table.")
     parser.add_argument("name", choices=sorted(SUBJECTS))
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows there too")
+    only = parser.add_argument_group("heavy alone")
+    only.add_argument("--case", action="append", help="measure this one; may be given several times")
+    only.add_argument("--method", action="append", help="by this one; may be given several times")
+    only.add_argument("--against", metavar="COMMIT", help="what the method `before` is")
     arguments = parser.parse_args()
-    rows, remarks = SUBJECTS[arguments.name]()
+    options = {name: value for name in ("case", "method", "against") if (value := getattr(arguments, name))}
+    if options and arguments.name != "heavy":
+        parser.error(f"{arguments.name} has no --{next(iter(options))}")
+    rows, remarks = SUBJECTS[arguments.name](**options)
     print(table(rows))
     for remark in remarks:
         print(remark)

@@ -48,3 +48,10 @@ class CostRow(Row):
     voxels: int  # that hold smoke
     texels: int
     seconds_per_voxel: float
+
+
+class HeavyRow(Row):
+    """One way to a heavy scene's picture. `seconds` are of all processors, and of the first time a process sees the
+    scene; `bytes` are the peak of the process above that with an empty scene."""
+
+    again: float | None  # seconds of the same once more: the sample asks engines to keep what they have built

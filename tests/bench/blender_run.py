@@ -9,20 +9,20 @@ import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-RESOURCES = ROOT / "build" / "blender"
 
 
-def environment() -> dict[str, str]:
-    """This process's environment, but with all that Blender calls the user's folders inside the build tree.
+def environment(root: Path = ROOT) -> dict[str, str]:
+    """This process's environment, but with all that Blender calls the user's folders inside the build tree of `root`.
 
     The build puts the add-on at build/blender/scripts/addons/sfumato, where `--addons sfumato` finds it.
     """
+    resources = root / "build" / "blender"
     return os.environ | {
-        "BLENDER_USER_RESOURCES": str(RESOURCES),
-        "BLENDER_USER_CONFIG": str(RESOURCES / "config"),
-        "BLENDER_USER_SCRIPTS": str(RESOURCES / "scripts"),
-        "BLENDER_USER_DATAFILES": str(RESOURCES / "datafiles"),
-        "BLENDER_USER_EXTENSIONS": str(RESOURCES / "extensions"),
+        "BLENDER_USER_RESOURCES": str(resources),
+        "BLENDER_USER_CONFIG": str(resources / "config"),
+        "BLENDER_USER_SCRIPTS": str(resources / "scripts"),
+        "BLENDER_USER_DATAFILES": str(resources / "datafiles"),
+        "BLENDER_USER_EXTENSIONS": str(resources / "extensions"),
     }
 
 
