@@ -37,7 +37,7 @@ ANY_FLOAT = r"(?:\d+\.\d*|\.\d+)(?:[eE][+-]?\d+)?|\d+[eE][+-]?\d+"
 RULES = [
     Rule("one home for Blender's version", r"addon/", r"addon/compat\.py", r"bpy\.app\.version",
          ("addon/export/smoke.py", "if bpy.app.version >= (4, 0, 0):")),
-    Rule("one home for the GPU", r"addon/", r"addon/(gpu|view)/", r"^\s*(import|from) gpu",
+    Rule("one home for the GPU", r"addon/", r"addon/gpu/", r"^\s*(import|from) gpu",
          ("addon/engine.py", "    import gpu")),
     # At the top of the file it would break background mode in some Blenders: reference, section 3.
     Rule("the GPU is imported late", r"addon/", NOWHERE, r"^(import|from) gpu", ("addon/engine.py", "import gpu")),
