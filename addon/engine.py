@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from . import compat, core, log, props
 from .export import parts, scene
-from .view import viewport
+from .view import rendered
 
 
 class SfumatoEngine(bpy.types.RenderEngine):
@@ -61,7 +61,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
         if self.view_frame is None:
             return
         try:
-            viewport.draw_rendered(context, depsgraph, self.view_frame)
+            rendered.draw_rendered(context, depsgraph, self.view_frame)
         except Exception as error:  # anything raised here would come back with every redraw
             self.view_frame = None
             log.replace("view", [f"The view cannot be drawn: {type(error).__name__}: {error}"])

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from . import engine, log, props, ui
-from .view import viewport
+from .view import overlay
 
 
 def register() -> None:
@@ -14,11 +14,11 @@ def register() -> None:
     bpy.utils.register_class(engine.SfumatoEngine)
     ui.register()
     if not bpy.app.background:
-        viewport.enable()
+        overlay.enable()
 
 
 def unregister() -> None:
-    viewport.disable()
+    overlay.disable()
     ui.unregister()
     bpy.utils.unregister_class(engine.SfumatoEngine)
     props.unregister()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fourier opacity maps (Jansen and Bavoil 2010) built on the GPU, from particles or from a density in a 3D texture.
 
-A map is what light_map_layers of viewport.py uploads: a 2D array texture of four floats a texel, whose layer j holds
+A map is what light_map_layers gives: a 2D array texture of four floats a texel, whose layer j holds
 a_2j, b_2j, a_2j+1, b_2j+1, with b_0 = 0. Blender 3.4 has no compute shaders, so maps are drawn, several layers at a
 time: into pictures, which are then copied, because from 4.3 on a framebuffer writes to only one layer of a texture.
 

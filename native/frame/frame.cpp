@@ -2,6 +2,7 @@
 #include "frame/frame.hpp"
 
 #include "frame/film.hpp"
+#include "frame/glance.hpp"
 #include "scene/scene.hpp"
 #include "text/rays_text.hpp"
 
@@ -325,6 +326,17 @@ std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int widt
         image->rgba[4 * pixel + 3] = image->distance[pixel];
     }
     return std::move(image->rgba);
+}
+
+std::vector<float> Frame::glance(const Camera &camera, int width, int height, Output output, int spacing,
+                                 std::optional<float> shadow_strength) const {
+    // Steps a little longer than a preview's miss less than what is interpolated does.
+    constexpr double CELLS = 1.25;
+    const MediaViews media = views_of(media_, std::max(step_length_, CELLS));
+    FrameView seen = view(camera, media.views);
+    seen.shadow_strength = shadow_strength;
+    return prepared_->arena.execute(
+        [&] { return sfumato::glance(*instruction_set_, seen, output, width, height, spacing); });
 }
 
 void Frame::transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const {

@@ -49,6 +49,10 @@ public:
     [[nodiscard]] std::optional<std::vector<float>> surfaces(const Camera &camera, int width, int height, Output output,
                                                              int edge_samples, const Progress &progress) const;
 
+    // The picture for a camera that moves: frame/glance.hpp. With shadow_strength, an overlay's two images.
+    [[nodiscard]] std::vector<float> glance(const Camera &camera, int width, int height, Output output, int spacing,
+                                            std::optional<float> shadow_strength = std::nullopt) const;
+
     // RGB of the share of a light that the smoke lets through to each of `points` (x, y, z in turn).
     void transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const;
 

@@ -187,13 +187,21 @@ void trace(const FrameView &frame, Output output, const Packet &packet, Traced &
     const Real brightness = (seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F);
     brightness.store_aligned(out.surface);
     unshadowed.store_aligned(out.unshadowed);
-    if (output != Output::PICTURE || frame.media.empty()) {
+    const bool overlay = frame.shadow_strength.has_value();
+    if (!overlay && (output != Output::PICTURE || frame.media.empty())) {
         store_plain(shadowed, surface.hit, out);
         Real(1.0F).store_aligned(out.seen);
         return;
     }
     const Smoke smoke =
         frame.grey ? march<1>(frame, ray, surface.distance, active) : march<3>(frame, ray, surface.distance, active);
+    if (overlay) {
+        store_plain(smoke.radiance, surface.hit, out);
+        for (int i = 0; i < 3; ++i) {
+            (smoke.transmittance[i] * (1.0F - *frame.shadow_strength * shadowed[i])).store_aligned(out.behind[i]);
+        }
+        return;
+    }
     Real through = 0.0F, left = 0.0F;
     for (int i = 0; i < 3; ++i) {
         const Real behind = shadowed[i] * smoke.transmittance[i];

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <glm/vec3.hpp>
@@ -22,6 +23,9 @@ struct FrameView {
     std::span<const MediumView> media;
     bool grey = true; // all extinctions are: one march serves all colours
     glm::vec3 background{0.0F};
+    // In use, the outputs that are shadows are handed over as a picture for an overlay: the smoke's radiance, and what
+    // it leaves of a surface that shadows take this share of the light from.
+    std::optional<float> shadow_strength;
 };
 
 // What trace() computes for a surface, and whether it marches through the smoke before it.
@@ -54,6 +58,7 @@ struct Traced {
     alignas(64) float surface[MAX_LANES]; // mean radiance of the surface, were there no smoke; or mean share in shadow
     alignas(64) float unshadowed[MAX_LANES]; // radiance, or irradiance, were there no shadows at all
     alignas(64) float seen[MAX_LANES];       // the share of it that the smoke leaves
+    alignas(64) float behind[3][MAX_LANES];  // with shadow_strength: the share left of what lies behind the smoke
     alignas(64) float distance[MAX_LANES];   // to the first surface, or the ray's reach
 };
 

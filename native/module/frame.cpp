@@ -63,18 +63,47 @@ py::object render(const Frame &frame, const Camera &camera, int width, int heigh
                     [&] { return frame.render(camera, width, height, edge_samples, reporting(progress)); });
 }
 
+Output surfaces_output(const std::string &name, const std::string &others) {
+    if (name == "smoke_shadow" || name == "all_shadows") {
+        return name == "smoke_shadow" ? Output::SMOKE_SHADOW : Output::ALL_SHADOWS;
+    }
+    if (name != "radiance") {
+        throw py::value_error("output is '" + name + "', but must be " + others +
+                              "'radiance', 'smoke_shadow' or 'all_shadows'");
+    }
+    return Output::SURFACES;
+}
+
 py::object surfaces(const Frame &frame, const Camera &camera, int width, int height, const std::string &output,
                     int edge_samples, const PythonProgress &progress) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
-    Output kind = Output::SURFACES;
-    if (output == "smoke_shadow" || output == "all_shadows") {
-        kind = output == "smoke_shadow" ? Output::SMOKE_SHADOW : Output::ALL_SHADOWS;
-    } else if (output != "radiance") {
-        throw py::value_error("output is '" + output + "', but must be 'radiance', 'smoke_shadow' or 'all_shadows'");
-    }
+    const Output kind = surfaces_output(output, "");
     return image_of(width, height,
                     [&] { return frame.surfaces(camera, width, height, kind, edge_samples, reporting(progress)); });
+}
+
+py::object glance(const Frame &frame, const Camera &camera, int width, int height, const std::string &output,
+                  int spacing, std::optional<float> shadow_strength) {
+    require_size(width, height);
+    require_range(spacing, 1, 64, "spacing");
+    const Output kind = output == "picture" ? Output::PICTURE : surfaces_output(output, "'picture', ");
+    const bool shadows = kind == Output::SMOKE_SHADOW || kind == Output::ALL_SHADOWS;
+    if (shadow_strength) {
+        require_range(*shadow_strength, 0.0F, 1.0F, "shadow_strength");
+        if (!shadows) {
+            throw py::value_error("shadow_strength is given, but output is '" + output + "', which is no shadow");
+        }
+    }
+    std::vector<float> values;
+    {
+        const py::gil_scoped_release unlocked;
+        values = frame.glance(camera, width, height, kind, spacing, shadow_strength);
+    }
+    if (shadow_strength) {
+        return to_numpy(std::move(values), {2, height, width, 4});
+    }
+    return to_numpy(std::move(values), {height, width, 4});
 }
 
 py::array_t<float> density_of(const CroppedMedium &medium) {
@@ -258,6 +287,24 @@ throw hard shadows; with more, lights with a size throw soft ones.
 >>> import numpy as np
 >>> Frame(Scene()).surfaces(Camera(np.diag([1, 1, -0.1, 1])), width=1, height=1)[0, 0].tolist()
 [0.0, 0.0, 0.0, 20.0]
+)")
+        .def("glance", &glance, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("output") = "picture",
+             py::arg("spacing") = 4, py::arg("shadow_strength") = py::none(),
+             R"((height, width, 4) float32, for a camera that moves: one pixel of every spacing in either direction is
+traced, those between them where these bend or surfaces end, and the rest is interpolated. All lights are seen at their
+middles. "picture" is what render() makes, the other outputs what surfaces() makes.
+
+With shadow_strength, the share of a surface's light that shadows take at most, and an output that is a shadow:
+(2, height, width, 4), the smoke's radiance and 0, and the share left of what lies behind the smoke, and whether that is
+a surface (1) or the background (0).
+
+>>> import numpy as np
+>>> scene = Scene()
+>>> scene.set_background((0.25, 0.5, 1.0))
+>>> Frame(scene).glance(Camera(np.eye(4)), width=9, height=5)[2, 3].tolist()
+[0.25, 0.5, 1.0, 0.0]
+>>> Frame(scene).glance(Camera(np.eye(4)), 9, 5, "all_shadows", shadow_strength=0.8)[:, 2, 3].tolist()
+[[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 1.0, 0.0]]
 )")
         .def("transmittance", &transmittance_at, py::arg("points"), py::arg("light") = 0,
              R"(The share of a light that the smoke lets through to each of points (..., 3): (..., 3), RGB; light is

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The textures of medium NUMBER; viewport.py puts the number in, once for each medium, since samplers have no index.
+// The textures of medium NUMBER; addon/gpu/smoke.py puts the number in, once for each medium, since samplers have no index.
 //   density_NUMBER    one channel
 //   light_NUMBER      one light's volume behind the other along z: optical depth towards the light (one colour, or three),
 //                     and the share of its falloff that arrives past solids and the edges of its cone

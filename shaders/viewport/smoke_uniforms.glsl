@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the smoke pass knows about camera, lights and smoke. viewport.py packs it in this order.
+// What the smoke pass knows about camera, lights and smoke. addon/gpu/smoke.py packs it in this order.
 
 #define MAX_LIGHTS 16
 #define MAX_MEDIA 5

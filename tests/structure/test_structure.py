@@ -37,7 +37,7 @@ ANY_FLOAT = r"(?:\d+\.\d*|\.\d+)(?:[eE][+-]?\d+)?|\d+[eE][+-]?\d+"
 RULES = [
     Rule("one home for Blender's version", r"addon/", r"addon/compat\.py", r"bpy\.app\.version",
          ("addon/export/smoke.py", "if bpy.app.version >= (4, 0, 0):")),
-    Rule("one home for the GPU", r"addon/", r"addon/(gpu|view)/", r"^\s*(import|from) gpu",
+    Rule("one home for the GPU", r"addon/", r"addon/gpu/", r"^\s*(import|from) gpu",
          ("addon/engine.py", "    import gpu")),
     # At the top of the file it would break background mode in some Blenders: in 3.4 gpu.state without a context is a
     # crash that nothing catches.

@@ -18,7 +18,7 @@ from mathutils import Quaternion, Vector
 from numpy.typing import NDArray
 from sfumato import props  # type: ignore[attr-defined]
 from sfumato.export import scene
-from sfumato.view import refinement, viewport
+from sfumato.view import overlay, painter, refinement
 
 Steps = Iterator["float | None"]
 # As in viewport.py, between the GPU and the CPU: half floats, and weights of 8 bits on hardware.
@@ -64,17 +64,17 @@ def soft_plume(shading: str) -> Generator[None, None, Any]:
 def made() -> Iterator[list[bool]]:
     """Every picture that is made for a view: whether it is refined."""
     out: list[bool] = []
-    original = viewport.Painter._make_picture
+    original = painter.Painter._make_picture
 
-    def make(self: Any, frame: Any, look: Any, refined: Any) -> Any:
+    def make(self: Any, view: Any, frame: Any, look: Any, refined: Any, spacing: int) -> Any:
         out.append(refined is not None)
-        return original(self, frame, look, refined)
+        return original(self, view, frame, look, refined, spacing)
 
-    viewport.Painter._make_picture = make
+    painter.Painter._make_picture = make
     try:
         yield out
     finally:
-        viewport.Painter._make_picture = original
+        painter.Painter._make_picture = original
 
 
 @contextmanager
@@ -323,17 +323,17 @@ def test_a_change_and_disabling_stop_what_runs() -> Steps:
         while not threads():
             yield 0.02
         assert bpy.app.timers.is_registered(refinement._tick)
-        viewport.disable()
+        overlay.disable()
         assert not threads() and not bpy.app.timers.is_registered(refinement._tick) and not refinement.busy()
-        viewport.enable()
+        overlay.enable()
         bpy.context.scene.render.engine = "SFUMATO"
         yield from screen.drawn(seen)
         # Waiting, not yet running.
         bpy.data.objects["Lamp"].data.energy *= 2.0
         yield from first_look(seen)
-        viewport.disable()
+        overlay.disable()
         assert not threads() and not bpy.app.timers.is_registered(refinement._tick) and not refinement.busy()
-        viewport.enable()
+        overlay.enable()
 
 
 def test_every_quality_refines() -> None:

@@ -16,7 +16,7 @@ from mathutils import Matrix, Quaternion
 from numpy.typing import ArrayLike
 from sfumato import log, props  # type: ignore[attr-defined]
 from sfumato.export import scene
-from sfumato.view import viewport
+from sfumato.view import overlay, painter
 
 SIZE = (320, 180)
 # Of images whose mean is near one. What llvmpipe shows is the rounding of half floats: 3.5e-4 and 1e-3. The largest
@@ -54,7 +54,7 @@ def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True) -> 
     return sfumato.Frame(made, coefficients=15, light_samples=4)
 
 
-def look(perspective: bool, **kind: bool) -> viewport.Look:
+def look(perspective: bool, **kind: bool) -> painter.Look:
     """From beside the cloud, with floor and sky in the picture."""
     near, far = 0.1, 50.0
     if perspective:
@@ -65,7 +65,7 @@ def look(perspective: bool, **kind: bool) -> viewport.Look:
         projection[2][3] = (far + near) / (near - far)
     eye = Matrix.Translation((3.0, -4.5, 3.0)) @ Matrix.Rotation(0.6, 4, "Z") @ Matrix.Rotation(1.3, 4, "X")
     values = tuple(value for row in projection @ eye.inverted() for value in row)
-    return viewport.Look(values, SIZE, **kind)
+    return painter.Look(values, SIZE, **kind)
 
 
 def assert_same(name: str, gpu: Any, cpu: Any) -> None:
@@ -81,7 +81,7 @@ def test_gpu_and_cpu_make_the_same_picture() -> None:
         for perspective in (True, False):
             seen = look(perspective)
             cpu = frame.render(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, edge_samples=1)
-            picture = viewport.Painter().picture("test", frame, seen)
+            picture = painter.Painter().picture("test", frame, seen)
             gpu = screen.read(picture.buffer, 0, SIZE)
             assert (cpu[..., 3] < 1.0).any() and (cpu[..., 3] == 1.0).any(), "the picture lacks sky or floor"
             name = f"{'coloured' if coloured else 'grey'}{', lamps' if lamps else ''}, "
@@ -96,7 +96,7 @@ def test_overlay_is_the_picture_taken_apart() -> None:
         frame = synthetic_frame(coloured)
         seen = look(True, overlay=True, solids_shade=True)
         camera = sfumato.Camera(np.reshape(seen.matrix, (4, 4)))
-        picture = viewport.Painter().picture("test", frame, seen)
+        picture = painter.Painter().picture("test", frame, seen)
         radiance, transmittance = (screen.read(picture.buffer, slot, SIZE) for slot in (0, 1))
         surfaces = synthetic_frame(coloured, smoke=False).surfaces(camera, *SIZE)
         cpu = frame.render(camera, *SIZE, edge_samples=1)
@@ -122,9 +122,9 @@ def counted_exports() -> Iterator[list[int]]:
     count = [0]
     original = scene.export
 
-    def export(depsgraph: Any) -> scene.Export:
+    def export(*arguments: Any) -> scene.Export:
         count[0] += 1
-        return original(depsgraph)
+        return original(*arguments)
 
     scene.export = export
     try:
@@ -223,8 +223,8 @@ def test_a_failure_is_said_once_and_blender_goes_on_drawing() -> Iterator[float 
     plume("SOLID")
     original, calls = scene.export, []
 
-    def export(depsgraph: Any) -> scene.Export:
-        calls.append(depsgraph)
+    def export(*arguments: Any) -> scene.Export:
+        calls.append(arguments)
         raise ValueError("a test broke the scene")
 
     with screen.watched() as seen:
@@ -269,13 +269,13 @@ def test_enable_and_disable_may_be_repeated() -> Iterator[float | None]:
     with screen.watched() as seen:
         yield from screen.drawn(seen)
         good = seen[-1][0]
-        viewport.disable()
-        viewport.disable()
+        overlay.disable()
+        overlay.disable()
         yield from screen.drawn(seen)
         bare = seen[-1][0]
         assert np.abs(good - bare).max() > 0.1
-    viewport.enable()
-    viewport.enable()
+    overlay.enable()
+    overlay.enable()
     with screen.watched() as seen:
         yield from screen.drawn(seen)
         assert np.array_equal(seen[-1][0], good), "drawn twice?"

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The smoke pass: its shader, and the smoke of a frame as textures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..export.scene import MOST_LIGHTS, MOST_MEDIA
+from .shader import BRICK, compile_shader, shader_text, texture
+
+# The share of its light that a surface is taken to have from the lights, in views that are not lit by them alone.
+SHADOW_STRENGTH = 0.8
+
+# The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
+OPAQUE_DEPTH = 12.0
+
+# smoke_textures.glsl
+MEDIUM_TEXTURES = ("density", "light", "clearance")
+
+
+def smoke_shader(colours: int, media: int, overlay: bool) -> Any:
+    def declare(info: Any) -> None:
+        info.define("COLOURS", str(colours))
+        info.define("MEDIA", str(media))
+        info.define("OPAQUE_DEPTH", f"{OPAQUE_DEPTH:.1f}f")
+        if overlay:
+            info.define("OVERLAY", "1")
+            info.fragment_out(1, "VEC4", "transmittance")
+        info.fragment_out(0, "VEC4", "radiance")
+        info.typedef_source(shader_text("viewport/smoke_uniforms.glsl"))
+        info.uniform_buf(0, "SmokeView", "view")
+        info.sampler(0, "FLOAT_2D", "surfaces")
+        for medium in range(media):
+            for slot, name in enumerate(MEDIUM_TEXTURES):
+                info.sampler(1 + len(MEDIUM_TEXTURES) * medium + slot, "FLOAT_3D", f"{name}_{medium}")
+
+    files = ["camera.glsl", "rays/opacity.glsl", "media/phase.glsl", "lights/light.glsl", "media/medium.glsl"]
+    textures = shader_text("viewport/smoke_textures.glsl")
+    accessors = [textures.replace("NUMBER", str(medium)) for medium in range(media)]
+    accessors += [_by_medium(*function, media) for function in MEDIUM_FUNCTIONS]
+    name = f"{colours} colours, {media} media{', overlay' if overlay else ''}"
+    return compile_shader(name, declare, files + ["viewport/smoke_fragment.glsl"], generated="".join(accessors))
+
+
+# The functions of smoke_textures.glsl.
+MEDIUM_FUNCTIONS = (
+    ("float", "clearance_at", "ivec3 brick", "brick"),
+    ("float", "density_at", "vec3 place", "place"),
+    ("vec4", "light_at", "vec3 place, float light, float lights, float cells", "place, light, lights, cells"),
+)
+
+
+def _by_medium(kind: str, name: str, parameters: str, arguments: str, media: int) -> str:
+    """A GLSL function that hands a call on to that of the medium whose number comes first."""
+    cases = [f"if (medium == {m}) {{ return {name}_{m}({arguments}); }}" for m in range(1, media)]
+    return f"{kind} {name}(int medium, {parameters})\n{{ {' '.join(cases)} return {name}_0({arguments}); }}\n"
+
+
+class Smoke:
+    """The smoke of one frame on the GPU, and what the shader needs to know of it."""
+
+    def __init__(self, frame: Any) -> None:
+        self.frame = frame  # kept: its identity is the key
+        media = frame.media[:MOST_MEDIA]
+        lights = np.asarray(frame.lights)[:MOST_LIGHTS]
+        self.lights = len(lights)
+        self.textures: dict[str, Any] = {}
+        self.colours = 3 if any(np.ptp(medium.extinction) > 0.0 for medium in frame.media) else 1
+        self.media = max(1, len(media))
+        self.uniforms = np.zeros((7 + 3 * MOST_LIGHTS + 6 * MOST_MEDIA, 4), np.float32)  # SmokeView
+        self.uniforms[7 : 7 + 3 * self.lights] = lights.reshape(-1, 4)
+        first = 7 + 3 * MOST_LIGHTS
+        for number, medium in enumerate(media):
+            rows = self.uniforms[first + 6 * number : first + 6 * number + 6]
+            density, light = medium.density, medium.light[: self.lights]
+            rows[:3] = np.linalg.inv(medium.grid_to_world)[:3]
+            rows[3] = (*density.shape[::-1], 1.0 / BRICK)
+            rows[4] = (*medium.extinction, frame.step_length)
+            rows[5] = (*medium.scattering, medium.anisotropy)
+            depth, height, width = density.shape
+            self._add(number, texture((width, height, depth), "R", density), light, medium.clearance)
+        if not media:
+            # Where there is no smoke one empty cell stands in: the shader has one case less.
+            self.uniforms[first : first + 6] = [
+                (1, 0, 0, 0),
+                (0, 1, 0, 0),
+                (0, 0, 1, 0),
+                (1, 1, 1, 1),
+                (0, 0, 0, 1),
+                (0,) * 4,
+            ]
+            nothing = np.zeros((1, 1, 1), np.float32)
+            self._add(0, texture((1, 1, 1), "R", nothing), np.zeros((0, 1, 1, 1, 2), np.float32), nothing)
+
+    def _add(self, number: int, density: Any, light: np.ndarray, clearance: np.ndarray) -> None:
+        _, depth, height, width, channels = light.shape
+        if not len(light):
+            light = np.zeros((1, depth, height, width, channels), np.float32)
+        size = (width, height, depth * light.shape[0])
+        self.textures[f"density_{number}"] = density
+        self.textures[f"light_{number}"] = texture(size, "RG" if channels == 2 else "RGBA", light)
+        self.textures[f"clearance_{number}"] = texture(clearance.shape[::-1], "R", clearance)
+
+    def view(self, corners: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+        """SmokeView for a camera, by sfumato.Camera.corners, and a picture of `size`."""
+        uniforms = self.uniforms.copy()
+        uniforms[:6, :3] = corners
+        uniforms[6] = (*size, self.lights, SHADOW_STRENGTH)
+        return uniforms

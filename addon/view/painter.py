@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes the pictures of views, and owns every GPU object of the add-on.
+
+A picture is kept until the camera, the size or the frame changes; handing it to Blender is then a copy. While only the
+camera moves it is made at a glance (Frame.glance): few pixels are traced, and those between them where an edge is. A
+GPU marches through the smoke up to such surfaces; where the processor would have to do that too, it makes the whole
+picture, of which most is interpolated. Targets and uniforms stay while the size does. The surfaces are a new texture
+each time, since `gpu` has no way to write to one.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from .. import core
+from ..gpu import passes
+from ..gpu.shader import Shaders, texture
+from ..gpu.smoke import SHADOW_STRENGTH, Smoke
+from .pace import Pace
+
+PICTURES_KEPT = 8  # a quad view has four
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a frame is looked at. A picture is good until this changes."""
+
+    matrix: tuple[float, ...]  # world -> NDC, row by row
+    size: tuple[int, int]  # pixels
+    overlay: bool = False  # over Blender's picture, or by ourselves
+    solids_shade: bool = False  # whether that picture shows the shadows of solids; else an overlay adds those too
+
+    @property
+    def output(self) -> str:
+        """What is asked of Frame.surfaces."""
+        if not self.overlay:
+            return "radiance"
+        return "smoke_shadow" if self.solids_shade else "all_shadows"
+
+    def moves_to(self, other: Look) -> bool:
+        """Whether only the camera is another."""
+        return self != other and replace(self, matrix=other.matrix) == other
+
+    def camera(self) -> Any:
+        return core.module().Camera(np.reshape(self.matrix, (4, 4)))
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What a view shows: radiance, and in an overlay the transmittance for what lies behind."""
+
+    frame: Any
+    look: Look
+    refined: bool  # made of surfaces that are sampled as F12's
+    radiance: Any
+    transmittance: Any | None
+    buffer: Any | None  # of these two, where the GPU has drawn them
+
+
+@dataclass
+class _View:
+    """What is kept of one view."""
+
+    picture: Picture | None = None
+    target: passes.Target | None = None
+    pace: Pace = field(default_factory=Pace)
+
+    def target_for(self, look: Look) -> passes.Target:
+        if self.target is None or (self.target.size, self.target.overlay) != (look.size, look.overlay):
+            self.picture = self.target = None  # free first
+            self.target = passes.Target(look.size, look.overlay)
+        return self.target
+
+
+class Painter:
+    """Dropping it frees what it owns."""
+
+    def __init__(self) -> None:
+        self.software = passes.is_software()
+        self._shaders = Shaders()
+        self._smoke: dict[bool, Smoke] = {}  # the overlay's, and the Rendered view's: their frames differ
+        self._views: OrderedDict[Any, _View] = OrderedDict()
+
+    def picture(self, view: Any, frame: Any, look: Look, refined: Any = None) -> Picture:
+        """The smoke of `frame`. `view` is any name: the picture is kept under it until something else is asked of it,
+        or there are `refined` surfaces to make it of."""
+        kept = self._views.pop(view, None) or _View()
+        self._views[view] = kept
+        while len(self._views) > PICTURES_KEPT:
+            self._views.popitem(last=False)
+        known = kept.picture
+        if refined is not None or known is None or known.look != look or known.frame is not frame:
+            moves = known is not None and known.frame is frame and known.look.moves_to(look)
+            spacing = kept.pace.moved(time.monotonic()) if moves and refined is None else 1
+            kept.picture = self._make_picture(kept, frame, look, refined, spacing)
+        assert kept.picture is not None
+        return kept.picture
+
+    def _make_picture(self, view: _View, frame: Any, look: Look, refined: Any, spacing: int) -> Picture:
+        """With a spacing above 1, at a glance."""
+        camera = look.camera()
+        if spacing > 1 and self.software:
+            return _at_a_glance(frame, look, spacing)
+        if refined is not None:
+            traced = refined
+        elif spacing > 1:
+            traced = frame.glance(camera, *look.size, look.output, spacing)
+        else:
+            traced = frame.surfaces(camera, *look.size, output=look.output)
+        smoke = self._smoke.get(look.overlay)
+        if smoke is None or smoke.frame is not frame:
+            self._smoke.pop(look.overlay, None)  # free first: two large volumes may not fit
+            smoke = self._smoke[look.overlay] = Smoke(frame)
+        target = view.target_for(look)
+        passes.draw_smoke(self._shaders, target, smoke, texture(look.size, "RGBA", traced), camera.corners)
+        transmittance = target.textures[1] if look.overlay else None
+        return Picture(frame, look, refined is not None, target.textures[0], transmittance, target.buffer)
+
+    def composite(self, picture: Any, blend: str, gain: float, least_alpha: float) -> None:
+        """Draw a texture of the target's size over what the bound target holds."""
+        passes.composite(self._shaders, picture, blend, gain, least_alpha)
+
+    def dim_background(self, picture: Picture, gain: float, background: tuple[float, float, float]) -> None:
+        """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""
+        passes.dim_background(self._shaders, picture.radiance, picture.transmittance, gain, background)
+
+
+def _at_a_glance(frame: Any, look: Look, spacing: int) -> Picture:
+    """A picture made by the processor alone."""
+    if not look.overlay:
+        traced = frame.glance(look.camera(), *look.size, spacing=spacing)
+        return Picture(frame, look, False, texture(look.size, "RGBA", traced), None, None)
+    traced = frame.glance(look.camera(), *look.size, look.output, spacing, SHADOW_STRENGTH)
+    radiance, transmittance = (texture(look.size, "RGBA", plane) for plane in traced)
+    return Picture(frame, look, False, radiance, transmittance, None)
+
+
+_painter: Painter | None = None
+
+
+def painter() -> Painter:
+    global _painter
+    if _painter is None:
+        _painter = Painter()
+    return _painter
+
+
+def free() -> None:
+    """Free every GPU object. What is drawn next makes its own again."""
+    global _painter
+    _painter = None
