@@ -13,12 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat, core, log, props
+from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
 from . import lights, materials, meshes, smoke
 from .parts import Parts
-
-# What the viewport's shader takes (smoke_uniforms.glsl): each medium has three of the 16 textures that it may have.
-MOST_MEDIA, MOST_LIGHTS = 5, 16
-MOST_BODIES = 64  # of smoke, in a frame
 
 
 @dataclass

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..export.scene import MOST_LIGHTS, MOST_MEDIA
+from ..limits import MOST_LIGHTS, MOST_MEDIA
 from .shader import BRICK, compile_shader, shader_text, texture
 
 # The share of its light that a surface is taken to have from the lights, in views that are not lit by them alone.

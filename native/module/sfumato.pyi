@@ -26,6 +26,19 @@ class Frame:
         light_samples: int = 16,
         prepared: Prepared | None = None,
     ) -> None: ...
+    def glance(
+        self,
+        camera: Camera,
+        width: int,
+        height: int,
+        output: str = "picture",
+        spacing: int = 4,
+        shadow_strength: float | None = None,
+    ) -> Any:
+        """(height, width, 4) float32, for a camera that moves: one pixel of every spacing in either direction is
+        traced, those between them where these bend or surfaces end, and the rest is interpolated. All lights are
+        seen at their middles. "picture" is what render() makes, the other outputs what surfaces() makes.
+        """
     def light_map(self, light: int = 0, sample: int = 0, medium: int = 0) -> LightMap:
         """The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot
         meet it. Raises ValueError where there is no such light, sample or medium.
@@ -75,8 +88,19 @@ class Grid:
 
     def __init__(self, density: ArrayLike, empty_below: float = 0.0) -> None: ...
     @property
+    def amount(self) -> float:
+        """The sum of all densities that are kept."""
+    @property
     def cells(self) -> int:
-        """How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it."""
+        """How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it. Where most
+        of what lies between is empty, those of bricks of 9^3 cells, one of which is empty and stands for all that
+        are.
+        """
+    @staticmethod
+    def from_file(path: str, grid: str = "density", empty_below: float = 0.0) -> Grid:
+        """The Grid of what read_volume gives, without that array in between. Raises ValueError that names the file
+        and the cause.
+        """
 
 class LearnedBasis:
     """The functions that learn_basis made from a sample of rays."""
@@ -554,3 +578,8 @@ def transmittance_before(
 
 def unpack(texels: ArrayLike, basis: str | LearnedBasis = "fourier") -> tuple[Any, ...]:
     """The coefficients (..., n) and range (..., 2) of texels that pack made with the same basis."""
+
+def volume_header(path: str, grid: str = "density") -> tuple[Any, ...]:
+    """Of what read_volume gives, the density's shape (nz, ny, nx) and grid_to_object (4, 4), read from the file's
+    header alone where it has them. Raises ValueError as read_volume does.
+    """

@@ -110,6 +110,8 @@ def function(name: str, doc: str, indent: str, decorators: list[str]) -> Iterato
 
 def members(owner: object, indent: str, static: bool) -> Iterator[str]:
     for name, value in sorted(vars(owner).items()):
+        own = isinstance(value, staticmethod)
+        value = value.__func__ if own else value
         doc = inspect.getdoc(value) or ""
         if name.startswith("_") and (name != "__init__" or not doc.startswith("__init__(")):
             continue
@@ -129,7 +131,7 @@ def members(owner: object, indent: str, static: bool) -> Iterator[str]:
             kind = python_type(signature[1], argument=False) if signature else "Any"
             yield from described(f"def {name}(self) -> {kind}:", summary(doc), indent)
         elif callable(value):
-            yield from function(name, doc, indent, ["staticmethod"] if static else [])
+            yield from function(name, doc, indent, ["staticmethod"] if static or own else [])
         else:
             yield ""
             yield f"{indent}{name}: {type(value).__name__}"

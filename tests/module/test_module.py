@@ -456,7 +456,7 @@ REFUSALS: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: Frame(Scene()).transmittance((0, 0, 0)), "light", "0"),
     (wrong_frame(light_samples=0), "light_samples", "0"),
     (wrong_surfaces(output="albedo"), "output", "albedo"),
-    (overfull, "scene", "5"),
+    (overfull, "scene", "64"),
     (wrong_sun(direction=(0, INF, 0)), "direction", "inf"),
     (wrong_sun(direction=(0, 1)), "direction", "(2)"),
     (wrong_sun(irradiance=(-1, 1, 1)), "irradiance", "-1"),

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -76,7 +78,8 @@ def test_a_grid_from_a_file_is_that_of_its_array() -> None:
 
 
 def test_grids_from_files_are_refused_as_their_arrays_are(tmp_path: Path) -> None:
-    for read in (sfumato.volume_header, sfumato.Grid.from_file):
+    readers: list[Callable[..., Any]] = [sfumato.volume_header, sfumato.Grid.from_file]
+    for read in readers:
         with pytest.raises(ValueError, match="it has no grid 'heat', but 'density'"):
             read(str(FIRE), "heat")
         with pytest.raises(ValueError, match=f"path '{tmp_path}' cannot be read: it is a directory"):

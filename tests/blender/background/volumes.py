@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import harness
 import numpy as np
-import sfumato
+from sfumato import core  # type: ignore[attr-defined]
 from sfumato.export import parts, smoke
 
 FRAMES = harness.ROOT / "blend_samples" / "frames"
@@ -35,7 +35,7 @@ def exported(thing: bpy.types.Object, kept: parts.Parts) -> smoke.Medium:
 def test_a_file_is_read_where_the_array_of_it_lies() -> None:
     path = FRAMES / "fire.vdb"
     medium = exported(volume(path), parts.Parts())
-    density, grid_to_object = sfumato.core.module().read_volume(str(path))
+    density, grid_to_object = core.module().read_volume(str(path))
     grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, 0.5)
     assert np.array_equal(medium.grid_to_world, grid_to_object)
     assert abs(medium.amount - density.sum()) < 1e-3 * density.sum()

@@ -15,11 +15,12 @@ import screen
 import sfumato
 from mathutils import Quaternion
 from numpy.typing import NDArray
-from sfumato import log
+from sfumato import log, props  # type: ignore[attr-defined]
 from sfumato.export import scene
 from sfumato.view import pace, painter, refinement
 
 SIZE = (640, 360)
+KINDS: list[dict[str, bool]] = [{}, {"overlay": True}, {"overlay": True, "solids_shade": True}]
 # Of the picture's mean, and of its 99th percentile.
 RMSE, PERCENTILE = 0.01, 0.04
 
@@ -32,7 +33,7 @@ def plume_frame() -> tuple[Any, int, NDArray[np.float64]]:
     camera = settings.camera
     projection = camera.calc_matrix_camera(depsgraph, x=SIZE[0], y=SIZE[1])
     matrix = np.array(projection) @ np.array(camera.matrix_world.normalized().inverted())
-    quality = sfumato.props.QUALITIES[settings.sfumato.quality]
+    quality = props.QUALITIES[settings.sfumato.quality]
     return sfumato.Frame(scene.export(depsgraph).scene, **quality.frame), quality.edge_samples, matrix
 
 
@@ -60,7 +61,7 @@ def test_a_moving_view_is_close_to_one_at_rest() -> None:
     frame, edge_samples, matrix = plume_frame()
     for software in (True, False):
         for spacing in (pace.HALF, pace.QUARTER):
-            for kind in ({}, {"overlay": True}, {"overlay": True, "solids_shade": True}):
+            for kind in KINDS:
                 artist = painter.Painter()
                 artist.software = software
                 artist.picture("view", frame, look(matrix, -0.002, **kind))
@@ -121,7 +122,7 @@ def counted_makings() -> Iterator[dict[str, int]]:
 def test_nothing_but_the_surfaces_is_made_anew_while_the_camera_moves() -> None:
     frame, _edge_samples, matrix = plume_frame()
     for software in (True, False):
-        for kind in ({}, {"overlay": True}):
+        for kind in KINDS[:2]:
             artist = painter.Painter()
             artist.software = software
             first = artist.picture("view", frame, look(matrix, **kind))
@@ -159,7 +160,7 @@ def test_a_pace_is_kept_until_redraws_agree() -> None:
     assert redraws(10, 2.0) == pace.HALF
 
 
-def test_a_slow_view_never_traces_a_whole_picture_while_it_moves() -> Iterator[None]:
+def test_a_slow_view_never_traces_a_whole_picture_while_it_moves() -> Iterator[float | None]:
     harness.open_plume(25)
     bpy.context.scene.render.engine = "SFUMATO"
     for shading in ("RENDERED", "SOLID"):
@@ -178,14 +179,14 @@ def test_a_slow_view_never_traces_a_whole_picture_while_it_moves() -> Iterator[N
         try:
             with screen.watched() as seen:
                 while len(seen) < 3:
-                    yield
+                    yield None
                 painter.Painter._make_picture = make
                 pace.SLOW = 0.0
                 for _ in range(8):
                     view.view_rotation = Quaternion((0.0, 0.0, 1.0), 0.01) @ view.view_rotation
                     before = len(seen)
                     while len(seen) < before + 1:
-                        yield
+                        yield None
                 moving = seen[-1][0]
                 refinement.REST = rest
                 # Another look, that of the last redraw and a little more, is asked for, and then left alone.
