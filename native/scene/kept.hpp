@@ -26,10 +26,9 @@ public:
     // Of types without padding, whose bytes are their value.
     template <typename Number>
     requires std::is_arithmetic_v<Number> || std::is_enum_v<Number> Key &numbers(std::span<const Number> values) {
-        if (!values.empty()) {
-            numbers_.append(reinterpret_cast<const char *>(values.data()), values.size_bytes());
-        }
-        numbers_.push_back('|');
+        const std::size_t size = values.size_bytes(); // so that no two rows of lists run together alike
+        numbers_.append(reinterpret_cast<const char *>(&size), sizeof size);
+        numbers_.append(reinterpret_cast<const char *>(values.data()), size);
         return *this;
     }
     template <typename... Number>
