@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes the pictures of views, and owns every GPU object of the add-on.
 
-A picture is kept until the camera, the size or the frame changes; handing it to Blender is then a copy. While only the
-camera moves it is made at a glance (Frame.glance): few pixels are traced, and those between them where an edge is. A
+A picture is kept until the camera, the size or the frame changes; handing it to Blender is then a copy. While the
+view moves it is made at a glance (Frame.glance): few pixels are traced, and those between them where an edge is. A
 GPU marches through the smoke up to such surfaces; where the processor would have to do that too, it makes the whole
 picture, of which most is interpolated. Targets and uniforms stay while the size does. The surfaces are a new texture
 each time, since `gpu` has no way to write to one.
@@ -61,6 +61,13 @@ class Picture:
     transmittance: Any | None
     buffer: Any | None  # of these two, where the GPU has drawn them
 
+    def moves_to(self, frame: Any, look: Look) -> bool:
+        """Whether what is to be shown now is a part of a movement: another place of the camera; or, before the view has
+        come to rest, another frame, as when a sun is dragged or a simulation is played."""
+        if self.frame is frame:
+            return self.look.moves_to(look)
+        return not self.refined and (self.look == look or self.look.moves_to(look))
+
 
 @dataclass
 class _View:
@@ -95,7 +102,7 @@ class Painter:
             self._views.popitem(last=False)
         known = kept.picture
         if refined is not None or known is None or known.look != look or known.frame is not frame:
-            moves = known is not None and known.frame is frame and known.look.moves_to(look)
+            moves = known is not None and known.moves_to(frame, look)
             spacing = kept.pace.moved(time.monotonic()) if moves and refined is None else 1
             kept.picture = self._make_picture(kept, frame, look, refined, spacing)
         assert kept.picture is not None

@@ -29,8 +29,9 @@ PYBIND11_MODULE(sfumato, m) {
     using namespace sfumato;
     namespace py = pybind11;
     m.doc() = "Smoke, its light and its shadow: NumPy arrays in, NumPy arrays out.\n\n"
-              "Metres, Z up, scene-linear RGB. Arrays may be float32 or float64; work is done in float32.\n"
-              "Anything unusable raises ValueError and says which argument it was.";
+              "Metres, Z up, scene-linear RGB. Arrays may be float32 or float64; work is done in float32, but for\n"
+              "integrals over area lights, which keep the precision that they are given. Values that cannot be used\n"
+              "raise ValueError, which says which argument it was; what is no number at all raises TypeError.";
     m.attr("instruction_set") = instruction_set().name;
     bind_area_light(m);
     bind_basis(m);

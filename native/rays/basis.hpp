@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Absorption along a light ray as coefficients of a basis: shaders/rays/basis.glsl for batches of rays.
-// A new basis is one short piece of shared text and one row in the table BASES.
+// A new basis is a piece of shared text, a row in the table BASES, and a case wherever the kinds are told apart.
 #pragma once
 
 #include <array>
