@@ -36,7 +36,8 @@ def mesh_of(thing: Any, slots: int, brushed: bool, depsgraph: Any, parts: Parts)
             return None
         return found.vertices, found.triangles, found.normals, found.material, found.tangents
 
-    return parts.part(read, ("mesh",), core.module().Mesh, _owner(thing, depsgraph, (slots, brushed)))
+    owner = _owner(thing, depsgraph, (slots, brushed)) if parts.told else None
+    return parts.part(read, ("mesh",), core.module().Mesh, owner)
 
 
 def _owner(thing: Any, depsgraph: Any, how: tuple[Any, ...]) -> Owner | None:

@@ -36,7 +36,7 @@ class Parts:
     def __init__(self, threads: int = 0, told: bool = False) -> None:
         self.native = core.module().Prepared(threads=threads)
         self.threads = threads
-        self._told = told
+        self.told = told
         self._made: dict[Any, Any] = {}  # by content
         self._asked_for: dict[Any, Any] = {}
         self._known: dict[Owner, Any] = {}  # the content, as it was read the last time
@@ -71,7 +71,7 @@ class Parts:
                 return None
             part = make(*arrays)
         self._asked_for[key] = part
-        if self._told and owner is not None:
+        if self.told and owner is not None:
             self._seen[owner] = key
         return part
 

@@ -80,8 +80,11 @@ def _taken(density: NDArray[np.float32], emptiness: float) -> Any:
 
 
 def _size_and_time(path: str) -> tuple[NDArray[np.int64]]:
-    """What tells a file from what it was before."""
-    status = os.stat(path)
+    """What tells a file from what it was before. Raises ValueError for one that is gone since its header was read."""
+    try:
+        status = os.stat(path)
+    except OSError as error:
+        raise ValueError(f"path '{path}' cannot be read: {error.strerror}") from error
     return (np.array([status.st_size, status.st_mtime_ns], np.int64),)
 
 

@@ -2,6 +2,7 @@
 // The Python module. No arithmetic: arguments are checked, work is handed on, results are wrapped.
 #include "module/arguments.hpp"
 #include "module/parts.hpp"
+#include "module/scene_parts.hpp"
 #include "scene/volume_file.hpp"
 #include "text/dispatch.hpp"
 
@@ -11,13 +12,7 @@ namespace {
 using namespace arguments;
 
 py::tuple read_volume_file(const std::string &path, const std::string &grid) {
-    VolumeFile volume;
-    try {
-        const py::gil_scoped_release unlocked;
-        volume = read_volume(path, grid);
-    } catch (const std::runtime_error &error) {
-        throw py::value_error(std::string("path ") + error.what());
-    }
+    VolumeFile volume = from_file([&] { return read_volume(path, grid); });
     const glm::ivec3 n = volume.resolution;
     return py::make_tuple(to_numpy(std::move(volume.density), {n.z, n.y, n.x}), to_numpy(volume.grid_to_object));
 }

@@ -175,16 +175,6 @@ CheckedGrid checked_grid(const Floats &density, float empty_below) {
 
 namespace {
 
-template <typename Read>
-auto from_file(const Read &read) {
-    try {
-        const py::gil_scoped_release unlocked;
-        return read();
-    } catch (const std::runtime_error &error) {
-        throw py::value_error(std::string("path ") + error.what());
-    }
-}
-
 py::tuple shape_and_place(const VolumeHeader &header) {
     const glm::ivec3 n = header.resolution;
     return py::make_tuple(py::make_tuple(n.z, n.y, n.x), to_numpy(header.grid_to_object));

@@ -8,6 +8,8 @@
 
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace sfumato {
@@ -34,6 +36,17 @@ struct CheckedGrid {
 };
 
 CheckedGrid checked_grid(const arguments::Floats &density, float empty_below);
+
+// What `read` makes of a file, with the interpreter's lock released; its refusals are Python's.
+template <typename Read>
+auto from_file(const Read &read) {
+    try {
+        const pybind11::gil_scoped_release unlocked;
+        return read();
+    } catch (const std::runtime_error &error) {
+        throw pybind11::value_error(std::string("path ") + error.what());
+    }
+}
 
 // A scene, and the densities that its grids were made of: only the judge asks for those, so they stay the caller's.
 struct ConsoleScene : Scene {
