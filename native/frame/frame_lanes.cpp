@@ -46,7 +46,7 @@ void scatter(const FrameView &frame, const MediumView &medium, const Cell &cell,
         volume.values = medium.light[i];
         Real incoming = sample(volume, light_cell, Colours);
         Real cosine;
-        if (light.kind == LightKind::SUN) {
+        if (light.parallel()) {
             cosine = dot(broadcast(light.direction), ray.direction);
         } else {
             const vec3 from_light = world - broadcast(light.position);

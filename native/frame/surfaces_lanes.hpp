@@ -259,8 +259,7 @@ Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, c
     if (!xsimd::any(surface.diffuse_roughness >= 0.0F)) {
         return 1.0F;
     }
-    const vec3 towards =
-        light.kind == LightKind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+    const vec3 towards = light.parallel() ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
     return SurfacesText().diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction),
                                       -dot(direction, towards), surface.diffuse_roughness);
 }

@@ -2,7 +2,7 @@
 // One packet of rays through a frame: what the kernel reads and what it answers. Views own nothing.
 #pragma once
 
-#include "lights/light_view.hpp"
+#include "lights/light.hpp"
 #include "media/medium_view.hpp"
 #include "solids/surface_view.hpp"
 #include "text/dispatch.hpp"

@@ -2,11 +2,10 @@
 // The lights of a frame: how often each is sampled, its light maps, and the light volumes of the smoke.
 #pragma once
 
-#include "lights/light_view.hpp"
+#include "lights/light.hpp"
 #include "maps/light_map.hpp"
 #include "media/medium.hpp"
 #include "scene/kept.hpp"
-#include "scene/scene.hpp"
 #include "solids/surfaces.hpp"
 
 #include <memory>
@@ -14,8 +13,6 @@
 #include <vector>
 
 namespace sfumato {
-
-struct Light;
 
 struct LightingSettings {
     LightMapSettings map;
@@ -67,13 +64,6 @@ private:
     std::vector<std::vector<LightMapView>> map_views_;
     std::vector<LightView> views_;
 };
-
-// What a kernel has to know of a light, without its samples and maps. `cell` is the size of the smallest cell of smoke.
-LightView view_of(const Light &light, double cell);
-
-// Points at which a light stands for all of itself, no more of them than its penumbra behind the smoke asks for; of a
-// sun, directions towards it.
-std::vector<glm::vec3> light_samples(const LightView &light, std::span<const CroppedMedium> media, int most);
 
 // Views of media with the light volumes that they have by now. They point into `media`.
 struct MediaViews {

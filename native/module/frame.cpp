@@ -147,7 +147,7 @@ py::array_t<float> lights_of(const Frame &frame) {
     std::vector<float> values;
     const auto row = [&values](const glm::vec3 &v, float last) { values.insert(values.end(), {v.x, v.y, v.z, last}); };
     for (const LightView &light : frame.lighting().views()) {
-        row(light.direction, light.kind == Light::Kind::SUN ? 1.0F : 0.0F);
+        row(light.direction, light.parallel() ? 1.0F : 0.0F);
         row(light.position, light.size2);
         row(light.strength, static_cast<float>(light.samples.size()));
     }

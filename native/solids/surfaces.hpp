@@ -3,7 +3,6 @@
 #pragma once
 
 #include "scene/kept.hpp"
-#include "scene/scene.hpp"
 #include "solids/surface_view.hpp"
 
 #include <memory>
@@ -11,7 +10,12 @@
 #include <type_traits>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 namespace sfumato {
+
+struct Instances; // scene/scene.hpp
+struct Shape;
 
 // Embree's objects are counted by Embree.
 struct ReleaseEmbree {
