@@ -42,19 +42,8 @@ void LightParts::end_round() {
     volumes.end_round();
 }
 
-Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const Surfaces &surfaces,
-                   const LightingSettings &settings, bool grey, const InstructionSet &with, LightParts &parts)
+Lighting::Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples)
     : media_(media.size()) {
-    place_samples(lights, media, settings.most_samples);
-    build_maps(media, surfaces, settings.map, with, parts);
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-        views_[i].samples = samples_[i];
-        views_[i].maps = map_views_[i].data();
-    }
-    fill_volumes(media, grey, with, parts);
-}
-
-void Lighting::place_samples(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples) {
     double cell = media.empty() ? 0.0 : media.front().cell_size;
     for (const CroppedMedium &medium : media) {
         cell = std::min(cell, medium.cell_size);
@@ -67,6 +56,9 @@ void Lighting::place_samples(std::span<const Light> lights, std::span<const Crop
     const int share = std::max(most_samples / std::max(static_cast<int>(faces), 1), std::min(most_samples, 4));
     for (const LightView &view : views_) {
         samples_.push_back(light_samples(view, media, view.of_mesh() ? share : most_samples));
+    }
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        views_[i].samples = samples_[i];
     }
 }
 
@@ -93,6 +85,9 @@ void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &
                                                         : LightMapView{});
             }
         }
+    }
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        views_[i].maps = map_views_[i].data();
     }
 }
 

@@ -14,11 +14,6 @@
 
 namespace sfumato {
 
-struct LightingSettings {
-    LightMapSettings map;
-    int most_samples = 16; // of a light whose extent blurs the smoke's shadow
-};
-
 // What was made of lights and smoke before.
 struct LightParts {
     Kept<LightMap> maps;
@@ -32,9 +27,13 @@ struct LightParts {
 class Lighting {
 public:
     Lighting() = default;
-    // Fills the light volumes of `media` too.
-    Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const Surfaces &surfaces,
-             const LightingSettings &settings, bool grey, const InstructionSet &with, LightParts &parts);
+    // Of each light its view and, at most most_samples of them, the points at which it is sampled.
+    Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples);
+    // The maps of every medium from every sample of every light, then the light volumes of the media.
+    void build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces, const LightMapSettings &settings,
+                    const InstructionSet &with, LightParts &parts);
+    void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
+                      LightParts &parts) const;
 
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
     // The map of one medium in one light, null where that light cannot meet it.
@@ -47,14 +46,9 @@ private:
         std::shared_ptr<const SolidDepths> solids;
     };
 
-    void place_samples(std::span<const Light> lights, std::span<const CroppedMedium> media, int most);
-    void build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces, const LightMapSettings &settings,
-                    const InstructionSet &with, LightParts &parts);
     [[nodiscard]] Map build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
                                 const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
                                 LightParts &parts) const;
-    void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
-                      LightParts &parts) const;
     [[nodiscard]] Key volume_key(std::size_t light, std::size_t own, std::span<const CroppedMedium> media,
                                  bool grey) const;
 

@@ -62,7 +62,7 @@ RULES = [
          ("native/maps/light_map.cpp", '#include "frame/frame.hpp"')),
     Rule("a light's kind is the business of its room", r"native/",
          r"native/(scene/light\.hpp|lights/|module/scene\.cpp|reference/)", r"\b(LightKind|Light::Kind)\b",
-         ("native/frame/surfaces_lanes.hpp", "if (light.kind == LightKind::SUN) {")),
+         ("native/frame/surfaces_lanes.cpp", "if (light.kind == LightKind::SUN) {")),
     Rule("the frame knows no module", r"native/frame/", NOWHERE, r'#include "(module|reference)/',
          ("native/frame/frame.cpp", '#include "module/arguments.hpp"')),
     Rule("the export knows neither the GPU nor a view", r"addon/export/", NOWHERE,
