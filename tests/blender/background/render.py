@@ -12,7 +12,7 @@ import numpy as np
 import pictures
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
-from sfumato import log
+from sfumato import log  # type: ignore[attr-defined]
 
 SMALL = (160, 90)
 
