@@ -112,8 +112,14 @@ Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape) : shape_(std:
                                sizeof(glm::vec3), vertices->size());
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, shape_->triangles.data(), 0,
                                sizeof(glm::uvec3), shape_->triangles.size());
+    // A tree along a curve instead of one by surface areas saves .3 us a triangle and costs .3 us a pixel, a sixth of
+    // what surfaces take: worth it for meshes that have more triangles than most pictures have pixels.
+    constexpr std::size_t MANY = 1 << 21;
+    const RTCBuildQuality quality = shape_->triangles.size() > MANY ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
+    rtcSetGeometryBuildQuality(geometry, quality);
     rtcCommitGeometry(geometry);
     scene_.reset(rtcNewScene(device));
+    rtcSetSceneBuildQuality(scene_.get(), quality);
     rtcAttachGeometry(scene_.get(), geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene_.get());
