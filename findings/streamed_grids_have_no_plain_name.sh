@@ -28,6 +28,7 @@ static float read(openvdb::io::File &file, const char *name) {
 
 int main(int, char **arguments) {
     openvdb::initialize();
+    openvdb::logging::setLevel(openvdb::logging::Level::Error);
     openvdb::GridPtrVec grids;
     for (const float value : {1.0F, 2.0F}) {
         const auto grid = openvdb::FloatGrid::create();
