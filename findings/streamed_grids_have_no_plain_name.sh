@@ -28,7 +28,6 @@ static float read(openvdb::io::File &file, const char *name) {
 
 int main(int, char **arguments) {
     openvdb::initialize();
-    openvdb::logging::setLevel(openvdb::logging::Level::Error);
     openvdb::GridPtrVec grids;
     for (const float value : {1.0F, 2.0F}) {
         const auto grid = openvdb::FloatGrid::create();
@@ -46,7 +45,8 @@ int main(int, char **arguments) {
     first.open();
     second.open();
     assert(first.hasGrid("density") && second.hasGrid("density"));
-    std::cout << "File: hasGrid true, readGrid reads " << read(first, "density") << '\n';
+    const float one = read(first, "density"), other = read(second, "density[0]");
+    std::cout << "File: hasGrid true, readGrid reads " << one << '\n';
     bool threw = false;
     try {
         read(second, "density");
@@ -54,9 +54,8 @@ int main(int, char **arguments) {
         threw = true;
     }
     assert(threw);
-    std::cout << "Stream: hasGrid true, readGrid throws KeyError, readGrid of [0] reads " << read(second, "density[0]")
-              << '\n';
+    std::cout << "Stream: hasGrid true, readGrid throws KeyError, readGrid of [0] reads " << other << '\n';
 }
 CPP
 g++ -std=c++17 "$folder/names.cpp" -o "$folder/names" -lopenvdb -ltbb -lImath-3_1
-"$folder/names" "$folder" 2>/dev/null
+"$folder/names" "$folder" | sed -E 's/\x1b\[[0-9;]*m//g; / WARN: /d' # it warns of the name that there is twice
