@@ -232,7 +232,8 @@ void require_read_or_refused(const Read &read, const std::string &path, std::siz
     ASSERT_LT(seconds, MOST_SECONDS);
     if (cells >= 0.0) { // else the box is not known
         const std::size_t used = peak - before;
-        ASSERT_LT(static_cast<double>(used), 8.0 * cells + 64.0 * static_cast<double>(bytes) + 1e6);
+        // A node of 1,030 bytes can say one value for 4096 tiles of 20, and a vector that grows is there twice.
+        ASSERT_LT(static_cast<double>(used), 8.0 * cells + 256.0 * static_cast<double>(bytes) + 1e6);
         count.most_memory = std::max(count.most_memory, used);
     }
 }
