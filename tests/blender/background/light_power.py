@@ -29,7 +29,7 @@ LIGHTS: dict[str, tuple[str, dict[str, object], tuple[float, float, float]]] = {
 
 def arrange(kind: str, settings: dict[str, object], scale: tuple[float, float, float], normalize: bool) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.preferences.addon_enable(module="sfumato")
+    harness.enable()
     bpy.ops.mesh.primitive_plane_add(size=40.0)
     material = bpy.data.materials.new("Floor")
     material.use_nodes = True
