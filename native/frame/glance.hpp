@@ -2,8 +2,7 @@
 // A picture at a glance, for a camera that moves: few pixels are traced, and the rest lies between them.
 #pragma once
 
-#include "frame/trace.hpp"
-#include "text/dispatch.hpp"
+#include "frame/stages.hpp"
 
 #include <vector>
 
@@ -14,10 +13,9 @@ namespace sfumato {
 // 1980). The rest is interpolated. What is traced at an edge is filtered with its neighbours, nearly as F12's samples
 // are.
 //
-// PICTURE gives premultiplied RGBA; with view.shadow_strength in use two such images, one behind the other: the smoke's
-// radiance and 0; the share it leaves of what lies behind, shadows included, and whether that is a surface. Other
-// outputs give RGB and the distance to the first surface. Row 0 at the bottom.
-std::vector<float> glance(const InstructionSet &with, const FrameView &view, Output output, int width, int height,
-                          int spacing);
+// The PICTURE is premultiplied RGBA; an overlay two such images, one behind the other: the smoke's radiance and 0; the
+// share it leaves of what lies behind, shadows included, and whether that is a surface. One layer is RGB and the
+// distance to the first surface. Row 0 at the bottom.
+std::vector<float> glance(const Tracer &tracer, int width, int height, int spacing);
 
 } // namespace sfumato

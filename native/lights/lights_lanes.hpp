@@ -2,7 +2,7 @@
 // Lights as the lane kernels see them: which way they lie, and how they fade.
 #pragma once
 
-#include "lights/light_view.hpp"
+#include "lights/light.hpp"
 #include "text/lanes.hpp"
 #include "text/lights_text.hpp"
 
@@ -22,7 +22,7 @@ inline vec3 normalised(const vec3 &v) {
 // What the smoke takes for the light at a point: it falls off from the light's middle, and all else that happens to it
 // is in the light volume.
 inline Real falloff_of(const LightView &light, const vec3 &from_light) {
-    return light.kind == LightKind::SUN ? Real(1.0F) : LightsText().falloff(dot(from_light, from_light), light.size2);
+    return light.parallel() ? Real(1.0F) : LightsText().falloff(dot(from_light, from_light), light.size2);
 }
 
 // In a direction whose cosine to the spot's axis is given.
@@ -101,7 +101,7 @@ inline Towards towards_place(const LightView &light, const vec3 &point, const ve
 
 inline Towards sample_towards(const LightView &light, const vec3 &point, Real u, Real v) {
     if (light.kind == LightKind::POLYGON) {
-        const glm::vec3 *const c = light.corners;
+        const auto &c = light.corners;
         return towards_place(
             light, point,
             LightsText().point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v));

@@ -2,7 +2,7 @@
 // Between the two lane files that share it: surfaces in the light of one light, as many as there are lanes.
 #pragma once
 
-#include "lights/light_view.hpp"
+#include "lights/light.hpp"
 #include "text/dispatch.hpp"
 
 namespace sfumato {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "maps/light_map.hpp"
 
+#include "lights/light.hpp"
 #include "maps/map_kernels.hpp"
 #include "scene/affine.hpp"
 #include "text/lights_text.hpp"
@@ -93,13 +94,6 @@ glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int floats, double
 }
 
 } // namespace
-
-glm::dmat3 axes_of(const glm::dvec3 &direction) {
-    const glm::dvec3 along = glm::normalize(direction);
-    const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
-    const glm::dvec3 across = glm::normalize(glm::cross(helper, along));
-    return {across, glm::cross(along, across), along};
-}
 
 LightMapView LightMap::view(const SolidDepths *solids) const {
     LightMapView view{

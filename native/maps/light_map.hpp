@@ -65,7 +65,4 @@ inline LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &
 // Where solids stand on a map's rays; of light that has a place, from `nearest` metres around it on.
 SolidDepths find_solids(const LightMap &map, const SurfaceView &surfaces, double nearest = 0.0);
 
-// Two axes across a direction, and the direction.
-glm::dmat3 axes_of(const glm::dvec3 &direction);
-
 } // namespace sfumato

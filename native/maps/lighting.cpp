@@ -2,180 +2,15 @@
 #include "maps/lighting.hpp"
 
 #include "maps/map_kernels.hpp"
-#include "scene/scene.hpp"
-#include "text/lights_text.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <oneapi/tbb/parallel_for.h>
 
 namespace sfumato {
-namespace {
-
-using LightsText = text::LightsText<float>;
-
-// A sphere around a medium.
-struct Ball {
-    glm::dvec3 middle{0.0};
-    double radius = 0.0;
-};
-
-Ball ball_of(const CroppedMedium &medium) {
-    const glm::dvec3 n(medium.grid->resolution);
-    const glm::dmat4 &m = medium.grid_to_world;
-    Ball ball{glm::dvec3(m * glm::dvec4(0.5 * n, 1.0)), 0.0};
-    for (int corner = 0; corner < 4; ++corner) { // the other four are their mirror images
-        const glm::dvec3 at(n.x, (corner & 1) != 0 ? n.y : 0.0, (corner & 2) != 0 ? n.z : 0.0);
-        ball.radius = std::max(ball.radius, glm::distance(ball.middle, glm::dvec3(m * glm::dvec4(at, 1.0))));
-    }
-    return ball;
-}
-
-// Whether light from `sample` can meet the medium at all: not behind an area light, not outside a spot's cone.
-bool meets(const LightView &light, const glm::dvec3 &sample, const Ball &ball) {
-    if (light.kind == Light::Kind::SUN) {
-        return true;
-    }
-    const glm::dvec3 across = ball.middle - sample;
-    const double distance = glm::length(across), along = glm::dot(across, glm::dvec3(light.direction));
-    if (light.kind == Light::Kind::POLYGON) {
-        return true;
-    }
-    if (light.kind != Light::Kind::SPHERE) {
-        return along > -ball.radius;
-    }
-    if (light.cone_cosine <= -1.0F || distance <= ball.radius) {
-        return true;
-    }
-    const double cone = std::acos(std::clamp(double{light.cone_cosine}, -1.0, 1.0));
-    return std::acos(std::clamp(along / distance, -1.0, 1.0)) - std::asin(ball.radius / distance) < cone;
-}
-
-// A lattice of `count` points that share the square [-1, 1]^2 evenly (Fibonacci's), each with its mirror image, so that
-// the middle of them is the middle of the light.
-glm::dvec2 on_square(int i, int count) {
-    const double from_middle = i - 0.5 * (count - 1);
-    const double turn = std::numbers::phi * from_middle + 0.5;
-    return 2.0 * glm::dvec2(from_middle / count, turn - std::floor(turn) - 0.5);
-}
-
-// The unit vector on the side of `axis`, another, whose part across it is given.
-glm::dvec3 on_dome(const glm::dvec3 &axis, const glm::dvec3 &across) {
-    return across + axis * std::sqrt(std::max(1.0 - glm::dot(across, across), 0.0));
-}
-
-} // namespace
-
-LightView view_of(const Light &light, double cell) {
-    LightView view;
-    view.kind = light.kind;
-    view.strength = light.strength;
-    view.position = light.position;
-    view.direction = light.direction;
-    view.across = light.across;
-    view.up = light.up;
-    const double least = 0.25 * cell;
-    double size = 0.0;
-    switch (light.kind) {
-    case Light::Kind::SUN: {
-        const glm::dmat3 axes = axes_of(glm::dvec3(light.direction));
-        // Of a cone's projection on the plane that faces the sun, equal areas bring equal parts of the irradiance.
-        const double radius = std::sin(0.5 * double{light.angle});
-        view.across = glm::vec3(axes[0] * radius);
-        view.up = glm::vec3(axes[1] * radius);
-        view.radius = static_cast<float>(radius);
-        break;
-    }
-    case Light::Kind::SPHERE:
-        view.radius = light.radius;
-        view.blend = light.blend;
-        view.spot_cosine = light.spot_cosine;
-        view.facing2 = light.facing_disk ? light.radius * light.radius : 0.0F;
-        view.cone_cosine =
-            light.cone < 2.0F * std::numbers::pi_v<float> ? std::cos(0.5F * light.cone) : view.cone_cosine;
-        size = double{light.radius};
-        break;
-    case Light::Kind::RECTANGLE:
-    case Light::Kind::ELLIPSE: {
-        const double edges = glm::length(glm::dvec3(light.across)) * glm::length(glm::dvec3(light.up));
-        const double area = (light.kind == Light::Kind::ELLIPSE ? std::numbers::pi : 4.0) * edges;
-        view.area = static_cast<float>(area);
-        view.radius = static_cast<float>(std::sqrt(area / std::numbers::pi));
-        view.spread_cotangent = light.spread < std::numbers::pi_v<float> ? 1.0F / std::tan(0.5F * light.spread) : 0.0F;
-        size = double{view.radius};
-        break;
-    }
-    case Light::Kind::POLYGON: {
-        const glm::dvec3 a(light.corners[0]), b(light.corners[1]), c(light.corners[2]), d(light.corners[3]);
-        const glm::dvec3 first = 0.5 * glm::cross(b - a, c - a), second = 0.5 * glm::cross(c - a, d - a);
-        const double of_first = glm::length(first), area = of_first + glm::length(second);
-        std::copy(light.corners.begin(), light.corners.end(), view.corners);
-        view.position = glm::vec3((a + c + glm::mix(d, b, of_first / area)) / 3.0);
-        view.direction = glm::vec3(glm::normalize(first + second));
-        view.area = static_cast<float>(area);
-        view.radius = static_cast<float>(std::sqrt(area / std::numbers::pi));
-        size = double{view.radius};
-        break;
-    }
-    }
-    view.size2 = static_cast<float>(std::max(size * size, least * least));
-    return view;
-}
-
-std::vector<glm::vec3> light_samples(const LightView &light, std::span<const CroppedMedium> media, int most) {
-    // How far the shadow of one point of the smoke spreads over as much air as the smoke is wide, in cells.
-    double blur = 0.0;
-    for (const CroppedMedium &medium : media) {
-        const Ball ball = ball_of(medium);
-        double angle = double{light.radius};
-        if (light.kind != Light::Kind::SUN) {
-            angle /= std::max(glm::distance(ball.middle, glm::dvec3(light.position)) - ball.radius, medium.cell_size);
-        }
-        blur = std::max(blur, 4.0 * angle * ball.radius / medium.cell_size);
-    }
-    // Shadows three cells apart melt into one.
-    const int count = std::clamp(static_cast<int>(std::ceil(std::pow(std::min(blur / 3.0, 1e3), 2.0))), 1, most);
-    std::vector<glm::vec3> samples;
-    const glm::dvec3 position(light.position), towards(-glm::dvec3(light.direction));
-    for (int i = 0; i < count; ++i) {
-        const glm::dvec2 square = on_square(i, count);
-        const LightsText::DiskPoint on_disk =
-            LightsText().point_on_disk(static_cast<float>(square.x), static_cast<float>(square.y));
-        const glm::dvec2 disk(on_disk.x, on_disk.y);
-        const glm::dvec3 across(light.across), up(light.up);
-        switch (light.kind) {
-        case Light::Kind::SUN:
-            samples.emplace_back(on_dome(towards, across * disk.x + up * disk.y));
-            break;
-        case Light::Kind::SPHERE: {
-            // The disk that the sphere shows to the smoke.
-            const glm::dvec3 middle = media.empty() ? position + towards : ball_of(media.front()).middle;
-            const glm::dvec3 look = middle - position;
-            const glm::dmat3 axes = axes_of(glm::length(look) > 0.0 ? look : towards);
-            samples.emplace_back(position + double{light.radius} * (axes[0] * disk.x + axes[1] * disk.y));
-            break;
-        }
-        case Light::Kind::RECTANGLE:
-            samples.emplace_back(position + across * square.x + up * square.y);
-            break;
-        case Light::Kind::ELLIPSE:
-            samples.emplace_back(position + across * disk.x + up * disk.y);
-            break;
-        case Light::Kind::POLYGON: {
-            const glm::vec2 unit(0.5 * square + 0.5);
-            const glm::vec3 *const c = light.corners;
-            samples.push_back(LightsText().point_on_quad(c[0], c[1], c[2], c[3], unit.x, unit.y));
-            break;
-        }
-        }
-    }
-    return samples;
-}
 
 MediaViews views_of(std::span<const CroppedMedium> media, double step_length) {
     MediaViews out;
@@ -207,32 +42,23 @@ void LightParts::end_round() {
     volumes.end_round();
 }
 
-Lighting::Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const Surfaces &surfaces,
-                   const LightingSettings &settings, bool grey, const InstructionSet &with, LightParts &parts)
+Lighting::Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples)
     : media_(media.size()) {
-    place_samples(lights, media, settings.most_samples);
-    build_maps(media, surfaces, settings.map, with, parts);
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-        views_[i].samples = samples_[i];
-        views_[i].maps = map_views_[i].data();
-    }
-    fill_volumes(media, grey, with, parts);
-}
-
-void Lighting::place_samples(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples) {
     double cell = media.empty() ? 0.0 : media.front().cell_size;
     for (const CroppedMedium &medium : media) {
         cell = std::min(cell, medium.cell_size);
     }
-    const auto polygons = std::max(1, static_cast<int>(std::count_if(lights.begin(), lights.end(), [](const Light &l) {
-                                       return l.kind == Light::Kind::POLYGON;
-                                   })));
     for (const Light &light : lights) {
-        const LightView &view = views_.emplace_back(view_of(light, cell));
-        // The faces of a mesh that glows are parts of one light: what each of them throws is blurred by the others.
-        const int share = std::max(most_samples / polygons, std::min(most_samples, 4));
-        const int most = light.kind == Light::Kind::POLYGON ? share : most_samples;
-        samples_.push_back(light_samples(view, media, most));
+        views_.push_back(view_of(light, cell));
+    }
+    const auto faces = std::count_if(views_.begin(), views_.end(), [](const LightView &v) { return v.of_mesh(); });
+    // The faces of a mesh that glows are parts of one light: what each of them throws is blurred by the others.
+    const int share = std::max(most_samples / std::max(static_cast<int>(faces), 1), std::min(most_samples, 4));
+    for (const LightView &view : views_) {
+        samples_.push_back(light_samples(view, media, view.of_mesh() ? share : most_samples));
+    }
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        views_[i].samples = samples_[i];
     }
 }
 
@@ -260,6 +86,9 @@ void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &
             }
         }
     }
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        views_[i].maps = map_views_[i].data();
+    }
 }
 
 Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
@@ -268,10 +97,10 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
     if (!meets(light, sample, ball_of(medium))) {
         return {};
     }
-    LightMap plan = light.kind == Light::Kind::SUN ? plan_parallel_map(medium, -sample, settings)
-                                                   : plan_radial_map(medium, sample, settings);
-    // The mesh that a polygon is a part of does not shade the air just before it.
-    const double nearest = light.kind == Light::Kind::POLYGON ? 1e-3 * double{light.radius} : 0.0;
+    LightMap plan =
+        light.parallel() ? plan_parallel_map(medium, -sample, settings) : plan_radial_map(medium, sample, settings);
+    // The mesh does not shade the air just before its faces.
+    const double nearest = light.of_mesh() ? 1e-3 * double{light.radius} : 0.0;
     Key rays;
     rays.number(plan.count, plan.size.x, plan.size.y, plan.slices, static_cast<int>(plan.radial));
     rays.numbers(std::span<const double>(&plan.world_to_light[0].x, 16));

@@ -2,11 +2,10 @@
 // The lights of a frame: how often each is sampled, its light maps, and the light volumes of the smoke.
 #pragma once
 
-#include "lights/light_view.hpp"
+#include "lights/light.hpp"
 #include "maps/light_map.hpp"
 #include "media/medium.hpp"
 #include "scene/kept.hpp"
-#include "scene/scene.hpp"
 #include "solids/surfaces.hpp"
 
 #include <memory>
@@ -14,13 +13,6 @@
 #include <vector>
 
 namespace sfumato {
-
-struct Light;
-
-struct LightingSettings {
-    LightMapSettings map;
-    int most_samples = 16; // of a light whose extent blurs the smoke's shadow
-};
 
 // What was made of lights and smoke before.
 struct LightParts {
@@ -35,9 +27,13 @@ struct LightParts {
 class Lighting {
 public:
     Lighting() = default;
-    // Fills the light volumes of `media` too.
-    Lighting(std::span<const Light> lights, std::vector<CroppedMedium> &media, const Surfaces &surfaces,
-             const LightingSettings &settings, bool grey, const InstructionSet &with, LightParts &parts);
+    // Of each light its view and, at most most_samples of them, the points at which it is sampled.
+    Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples);
+    // The maps of every medium from every sample of every light, then the light volumes of the media.
+    void build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces, const LightMapSettings &settings,
+                    const InstructionSet &with, LightParts &parts);
+    void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
+                      LightParts &parts) const;
 
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
     // The map of one medium in one light, null where that light cannot meet it.
@@ -50,14 +46,9 @@ private:
         std::shared_ptr<const SolidDepths> solids;
     };
 
-    void place_samples(std::span<const Light> lights, std::span<const CroppedMedium> media, int most);
-    void build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces, const LightMapSettings &settings,
-                    const InstructionSet &with, LightParts &parts);
     [[nodiscard]] Map build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
                                 const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
                                 LightParts &parts) const;
-    void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
-                      LightParts &parts) const;
     [[nodiscard]] Key volume_key(std::size_t light, std::size_t own, std::span<const CroppedMedium> media,
                                  bool grey) const;
 
@@ -67,13 +58,6 @@ private:
     std::vector<std::vector<LightMapView>> map_views_;
     std::vector<LightView> views_;
 };
-
-// What a kernel has to know of a light, without its samples and maps. `cell` is the size of the smallest cell of smoke.
-LightView view_of(const Light &light, double cell);
-
-// Points at which a light stands for all of itself, no more of them than its penumbra behind the smoke asks for; of a
-// sun, directions towards it.
-std::vector<glm::vec3> light_samples(const LightView &light, std::span<const CroppedMedium> media, int most);
 
 // Views of media with the light volumes that they have by now. They point into `media`.
 struct MediaViews {

@@ -2,7 +2,7 @@
 // The inner loops of light maps and light volumes, and the plain views that they read.
 #pragma once
 
-#include "lights/light_view.hpp"
+#include "lights/light.hpp"
 #include "maps/map_view.hpp"
 #include "media/medium_view.hpp"
 #include "text/dispatch.hpp"

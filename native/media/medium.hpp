@@ -3,7 +3,6 @@
 #pragma once
 
 #include "media/grid.hpp"
-#include "scene/scene.hpp"
 
 #include <memory>
 #include <vector>
@@ -11,6 +10,8 @@
 #include <glm/mat4x4.hpp>
 
 namespace sfumato {
+
+struct Medium; // scene/scene.hpp
 
 // One light's: the cells of the grid, x fastest, `light_channels` numbers each, see MediumView.
 using LightVolume = std::vector<float>;
@@ -30,6 +31,13 @@ struct CroppedMedium {
     // Of the strongest colour, per metre and unit density.
     [[nodiscard]] float strongest() const;
 };
+
+// A sphere around a medium.
+struct Ball {
+    glm::dvec3 middle{0.0};
+    double radius = 0.0;
+};
+Ball ball_of(const CroppedMedium &medium);
 
 // The density that could darken nothing by more than 1e-4 of optical depth along the grid's diagonal: cells up to it
 // count as empty. Infinite for a material that takes no light.

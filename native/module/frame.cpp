@@ -63,42 +63,42 @@ py::object render(const Frame &frame, const Camera &camera, int width, int heigh
                     [&] { return frame.render(camera, width, height, edge_samples, reporting(progress)); });
 }
 
-Output surfaces_output(const std::string &name, const std::string &others) {
+Layer layer_of(const std::string &name, const std::string &others) {
     if (name == "smoke_shadow" || name == "all_shadows") {
-        return name == "smoke_shadow" ? Output::SMOKE_SHADOW : Output::ALL_SHADOWS;
+        return name == "smoke_shadow" ? Layer::SMOKE_SHADOW : Layer::ALL_SHADOWS;
     }
     if (name != "radiance") {
         throw py::value_error("output is '" + name + "', but must be " + others +
                               "'radiance', 'smoke_shadow' or 'all_shadows'");
     }
-    return Output::SURFACES;
+    return Layer::RADIANCE;
 }
 
 py::object surfaces(const Frame &frame, const Camera &camera, int width, int height, const std::string &output,
                     int edge_samples, const PythonProgress &progress) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
-    const Output kind = surfaces_output(output, "");
+    const Layer layer = layer_of(output, "");
     return image_of(width, height,
-                    [&] { return frame.surfaces(camera, width, height, kind, edge_samples, reporting(progress)); });
+                    [&] { return frame.surfaces(camera, width, height, layer, edge_samples, reporting(progress)); });
 }
 
 py::object glance(const Frame &frame, const Camera &camera, int width, int height, const std::string &output,
                   int spacing, std::optional<float> shadow_strength) {
     require_size(width, height);
     require_range(spacing, 1, 64, "spacing");
-    const Output kind = output == "picture" ? Output::PICTURE : surfaces_output(output, "'picture', ");
-    const bool shadows = kind == Output::SMOKE_SHADOW || kind == Output::ALL_SHADOWS;
+    LayerSet wanted = output == "picture" ? PICTURE : layer_of(output, "'picture', ");
     if (shadow_strength) {
         require_range(*shadow_strength, 0.0F, 1.0F, "shadow_strength");
-        if (!shadows) {
+        if (!wanted.shadow()) {
             throw py::value_error("shadow_strength is given, but output is '" + output + "', which is no shadow");
         }
+        wanted = wanted.with(Layer::SMOKE);
     }
     std::vector<float> values;
     {
         const py::gil_scoped_release unlocked;
-        values = frame.glance(camera, width, height, kind, spacing, shadow_strength);
+        values = frame.glance(camera, width, height, wanted, spacing, shadow_strength.value_or(1.0F));
     }
     if (shadow_strength) {
         return to_numpy(std::move(values), {2, height, width, 4});
@@ -147,7 +147,7 @@ py::array_t<float> lights_of(const Frame &frame) {
     std::vector<float> values;
     const auto row = [&values](const glm::vec3 &v, float last) { values.insert(values.end(), {v.x, v.y, v.z, last}); };
     for (const LightView &light : frame.lighting().views()) {
-        row(light.direction, light.kind == Light::Kind::SUN ? 1.0F : 0.0F);
+        row(light.direction, light.parallel() ? 1.0F : 0.0F);
         row(light.position, light.size2);
         row(light.strength, static_cast<float>(light.samples.size()));
     }
@@ -343,7 +343,26 @@ it. Raises ValueError where there is no such light, sample or medium.
         .def_property_readonly("lights", &lights_of,
                                R"((n, 3, 4) float32: direction and 1 for a sun, else 0; position and
 the square of the light's size, as in falloff() of shaders/lights/light.glsl; strength, and the number of its samples.)")
-        .def_property_readonly("step_length", &Frame::step_length, "Of the march along view rays, in cells.");
+        .def_property_readonly("step_length", &Frame::step_length, "Of the march along view rays, in cells.")
+        .def_property_readonly(
+            "stages",
+            [](const Frame &frame) {
+                py::dict out;
+                for (const StageClock::Row &row : frame.stages()) {
+                    out[row.name] = row.seconds;
+                }
+                return out;
+            },
+            R"(The stages that ran so far, in order, and the seconds that each took: of "solids", "smoke", "lights",
+"light maps" and "light volumes", when the frame was made; of "surfaces", "march" and "composite", in all pictures since,
+summed over the threads. What a scene does not need is not there.
+
+>>> import numpy as np
+>>> frame = Frame(Scene())
+>>> image = frame.render(Camera(np.eye(4)), width=2, height=2)
+>>> list(frame.stages)
+['solids', 'surfaces', 'composite']
+)");
 }
 
 } // namespace sfumato

@@ -61,6 +61,12 @@ class Frame:
     ) -> Any:
         """The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom."""
     @property
+    def stages(self) -> dict:
+        """The stages that ran so far, in order, and the seconds that each took: of "solids", "smoke", "lights",
+        "light maps" and "light volumes", when the frame was made; of "surfaces", "march" and "composite", in all
+        pictures since, summed over the threads. What a scene does not need is not there.
+        """
+    @property
     def step_length(self) -> float:
         """Of the march along view rays, in cells."""
     def surfaces(

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "reference/reference.hpp"
 
+#include "scene/scene.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

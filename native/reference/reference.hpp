@@ -4,8 +4,6 @@
 // Everything takes a valid scene and is slow: every ray visits every triangle and every cell in its way.
 #pragma once
 
-#include "scene/scene.hpp"
-
 #include <limits>
 #include <optional>
 #include <span>
@@ -13,6 +11,15 @@
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+
+namespace sfumato {
+
+struct Camera; // scene/scene.hpp
+struct Light;
+struct Medium;
+struct Scene;
+
+} // namespace sfumato
 
 namespace sfumato::reference {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "reference/reference.hpp"
+#include "scene/scene.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "lights/layers.hpp"
+#include "lights/gloss_curves.hpp"
 #include "solids/embree.hpp"
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct SurfaceView {
     bool instanced = false;            // whether any place is an instance to Embree
     const PlaceView *places = nullptr; // by Embree's number of the instance, or else of the geometry
     // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, index, emission,
-    // diffuse roughness (negative for none); and of LayerCurves again, kept, lost
+    // diffuse roughness (negative for none); and of GlossCurves again, kept, lost
     const float *properties = nullptr;
     bool tangents = false; // whether any shape has tangents
 };

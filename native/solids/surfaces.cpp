@@ -71,7 +71,7 @@ void append_rows(const Materials &materials, Solids &solids, std::vector<float> 
         properties.insert(properties.end(),
                           {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge, gloss.alpha[0], gloss.alpha[1],
                            gloss.apart ? 1.0F : 0.0F, gloss.index, emission.x, emission.y, emission.z, rough});
-        const LayerCurves &curves = *solids.curves(gloss);
+        const GlossCurves &curves = *solids.curves(gloss);
         properties.insert(properties.end(), &curves.again.x, &curves.again.x + 3);
         properties.insert(properties.end(), curves.kept.begin(), curves.kept.end());
         properties.insert(properties.end(), curves.lost.begin(), curves.lost.end());
@@ -182,11 +182,11 @@ void Solids::attach(const Instances &mesh, Places &places, unsigned &number) {
     }
 }
 
-std::shared_ptr<const LayerCurves> Solids::curves(const Gloss &gloss) {
+std::shared_ptr<const GlossCurves> Solids::curves(const Gloss &gloss) {
     Key key;
     key.numbers(std::span(&gloss.reflectance.x, 3)).numbers(std::span<const float>(gloss.alpha));
     key.number(gloss.edge, gloss.index, gloss.cover, gloss.lossless);
-    return curves_.get(key, [&] { return layer_curves(gloss); });
+    return curves_.get(key, [&] { return gloss_curves(gloss); });
 }
 
 void Solids::end_round() {

@@ -2,9 +2,8 @@
 // The meshes of a scene as Embree scenes, one for each shape and one of all its places, with what shading reads.
 #pragma once
 
-#include "lights/layers.hpp"
+#include "lights/gloss_curves.hpp"
 #include "scene/kept.hpp"
-#include "scene/scene.hpp"
 #include "solids/surface_view.hpp"
 
 #include <memory>
@@ -12,7 +11,12 @@
 #include <type_traits>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 namespace sfumato {
+
+struct Instances; // scene/scene.hpp
+struct Shape;
 
 // Embree's objects are counted by Embree.
 struct ReleaseEmbree {
@@ -48,7 +52,7 @@ class Solids {
 public:
     explicit Solids(int threads = 0); // of Embree's own work; 0: as many as there are
     std::shared_ptr<const Places> places(std::span<const Instances> meshes); // null where there are no triangles
-    std::shared_ptr<const LayerCurves> curves(const Gloss &gloss);
+    std::shared_ptr<const GlossCurves> curves(const Gloss &gloss);
     void end_round();
     // Ever.
     [[nodiscard]] std::size_t made() const { return solids_.made(); }
@@ -62,7 +66,7 @@ private:
     int threads_;
     Kept<Solid> solids_;
     Kept<Places> places_;
-    Kept<LayerCurves> curves_;
+    Kept<GlossCurves> curves_;
 };
 
 // All meshes of a scene.

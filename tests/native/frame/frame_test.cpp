@@ -360,9 +360,9 @@ TEST(Surfaces, HaveTheDistanceTheLightAndTheShadowsOfTheFirstHit) {
         scene.media.resize(with_smoke ? 1 : 0);
         const double tolerance = with_smoke ? 0.003 : 1e-5;
         const Frame frame(scene, finest);
-        const std::vector<float> lit = frame.surfaces(camera, WIDTH, HEIGHT, Output::SURFACES, 1, {}).value();
-        const std::vector<float> smoke = frame.surfaces(camera, WIDTH, HEIGHT, Output::SMOKE_SHADOW, 1, {}).value();
-        const std::vector<float> all = frame.surfaces(camera, WIDTH, HEIGHT, Output::ALL_SHADOWS, 1, {}).value();
+        const std::vector<float> lit = frame.surfaces(camera, WIDTH, HEIGHT, Layer::RADIANCE, 1, {}).value();
+        const std::vector<float> smoke = frame.surfaces(camera, WIDTH, HEIGHT, Layer::SMOKE_SHADOW, 1, {}).value();
+        const std::vector<float> all = frame.surfaces(camera, WIDTH, HEIGHT, Layer::ALL_SHADOWS, 1, {}).value();
         for (int y = 0; y < HEIGHT; ++y) {
             for (int x = 0; x < WIDTH; ++x) {
                 const auto pixel = std::size_t(4 * (y * WIDTH + x));

@@ -32,7 +32,7 @@ TEST(Glance, OfNothingIsTheBackgroundWhateverTheSize) {
     const Frame frame(scene, {});
     for (const auto &[width, height] : std::vector<std::pair<int, int>>{{1, 1}, {1, 7}, {6, 1}, {33, 18}}) {
         for (const int spacing : {1, 2, 3, 4, 64}) {
-            const std::vector<float> picture = frame.glance(camera, width, height, Output::PICTURE, spacing);
+            const std::vector<float> picture = frame.glance(camera, width, height, PICTURE, spacing);
             ASSERT_EQ(picture.size(), static_cast<std::size_t>(4 * width * height));
             for (std::size_t i = 0; i < picture.size(); i += 4) {
                 EXPECT_NEAR(picture[i], 0.25F, 1e-6F) << width << " x " << height << ", spacing " << spacing;
@@ -48,7 +48,7 @@ TEST(Glance, IsCloseToAPictureOfWhichEveryPixelIsTraced) {
     const std::vector<float> fine = frame.render(camera, ACROSS, UP, 32, {}).value();
     const double once = apart(frame.render(camera, ACROSS, UP, 1, {}).value(), fine);
     for (const int spacing : {1, 2, 3, 4}) {
-        const double glanced = apart(frame.glance(camera, ACROSS, UP, Output::PICTURE, spacing), fine);
+        const double glanced = apart(frame.glance(camera, ACROSS, UP, PICTURE, spacing), fine);
         EXPECT_LT(glanced, once) << "at edges it is softer than one sample a pixel, spacing " << spacing;
     }
 }
@@ -56,8 +56,8 @@ TEST(Glance, IsCloseToAPictureOfWhichEveryPixelIsTraced) {
 // What is traced is exact: the distances of a plane bend so little that hardly any is.
 TEST(Glance, InterpolatesDistances) {
     const Frame frame(smoke_over_floor(), finest);
-    const std::vector<float> full = frame.surfaces(camera, ACROSS, UP, Output::SURFACES, 1, {}).value();
-    const std::vector<float> few = frame.glance(camera, ACROSS, UP, Output::SURFACES, 4);
+    const std::vector<float> full = frame.surfaces(camera, ACROSS, UP, Layer::RADIANCE, 1, {}).value();
+    const std::vector<float> few = frame.glance(camera, ACROSS, UP, Layer::RADIANCE, 4);
     std::size_t same = 0;
     for (std::size_t i = 3; i < full.size(); i += 4) {
         EXPECT_NEAR(few[i], full[i], 0.01F * full[i]);
@@ -71,8 +71,9 @@ TEST(Glance, InterpolatesDistances) {
 TEST(Glance, OfAnOverlayIsThePictureTakenApart) {
     Scene scene = smoke_over_floor();
     const Frame frame(scene, finest);
-    const std::vector<float> picture = frame.glance(camera, ACROSS, UP, Output::PICTURE, 1);
-    const std::vector<float> both = frame.glance(camera, ACROSS, UP, Output::ALL_SHADOWS, 1, STRENGTH);
+    const std::vector<float> picture = frame.glance(camera, ACROSS, UP, PICTURE, 1);
+    const std::vector<float> both =
+        frame.glance(camera, ACROSS, UP, LayerSet(Layer::ALL_SHADOWS).with(Layer::SMOKE), 1, STRENGTH);
     ASSERT_EQ(both.size(), 2 * picture.size());
     const auto is_sky = [&](int x, int y) {
         return both[picture.size() + 4 * static_cast<std::size_t>(y * ACROSS + x) + 3] == 0.0F;

@@ -41,7 +41,10 @@ struct Lit {
     Lit(const Scene &scene, int samples, const InstructionSet &with = instruction_set())
         : surfaces(scene.meshes), media(cropped(scene)),
           grey(std::all_of(media.begin(), media.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
-          lighting(scene.lights, media, surfaces, {{31, 4.0}, samples}, grey, with, parts) {}
+          lighting(scene.lights, media, samples) {
+        lighting.build_maps(media, surfaces, {31, 4.0}, with, parts);
+        lighting.fill_volumes(media, grey, with, parts);
+    }
 
     static std::vector<CroppedMedium> cropped(const Scene &scene) {
         std::vector<CroppedMedium> out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "reference/reference.hpp"
+#include "scene/scene.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a packet of rays sees of the scene's surfaces: the first of them, and the light on it past solids and smoke.
-#pragma once
-
-#include "frame/trace.hpp"
+// The stage of the surfaces: the first on each ray of a packet, and the light on it past solids and smoke.
+#include "frame/layers.hpp"
+#include "frame/rays_lanes.hpp"
 #include "lights/lights_lanes.hpp"
 #include "lights/shading.hpp"
 #include "maps/sampling.hpp"
+#include "solids/first_surface_lanes.hpp"
 #include "solids/hits_lanes.hpp"
-#include "text/camera_text.hpp"
-#include "text/lanes.hpp"
 #include "text/rays_text.hpp"
 #include "text/surfaces_text.hpp"
 
@@ -20,122 +18,7 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
-using CameraText = text::CameraText<Real, Isa>;
 using SurfacesText = text::SurfacesText<Real, Isa>;
-using Ray = CameraText::Ray;
-
-struct Surface {
-    Mask hit;
-    Real distance; // or the ray's reach
-    vec3 normal;   // shading normal, towards the eye
-    vec3 geometric_normal;
-    vec3 albedo;
-    bool glossy = false; // whether any lane is
-    Plane tangents;      // x the direction of alpha_x; set where glossy
-    vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
-    Real edge, alpha_x, alpha_y, apart, index;
-    vec3 gain{1.0F, 1.0F, 1.0F}; // of the gloss, by what facets send to each other
-    vec3 emission;
-    Real diffuse_roughness;
-};
-
-Surface first_surface(const SurfaceView &view, const Ray &ray, Mask active) {
-    Surface surface;
-    surface.hit = Mask(false);
-    surface.distance = ray.reach;
-    if (view.scene == nullptr) {
-        return surface;
-    }
-    typename Rays<LANES>::RayHit rays;
-    // A surface in the far plane itself is seen: the boxes around it may round to either side of it.
-    set_rays(rays.ray, ray.origin, ray.direction, 0.0F, ray.reach * 1.000001F);
-    for (int lane = 0; lane < LANES; ++lane) {
-        rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-        rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    }
-    alignas(64) int valid[LANES];
-    valid_lanes(active, valid);
-    Rays<LANES>::intersect(valid, view.scene, !view.instanced, rays);
-
-    alignas(64) float hits[LANES];
-    bool any = false;
-    for (int lane = 0; lane < LANES; ++lane) {
-        const bool hit = valid[lane] != 0 && rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
-        hits[lane] = hit ? 1.0F : 0.0F;
-        any = any || hit;
-    }
-    if (!any) {
-        return surface;
-    }
-    surface.hit = Real::load_aligned(hits) > 0.0F;
-    surface.distance = pick(surface.hit, Real::load_aligned(rays.ray.tfar), ray.reach);
-
-    // The lanes' places have arrays of their own, so these are read lane by lane.
-    alignas(64) float normals[3][LANES], faces[3][LANES], tangents[3][LANES];
-    alignas(64) std::int32_t materials[LANES];
-    for (int lane = 0; lane < LANES; ++lane) {
-        const bool hit = hits[lane] != 0.0F;
-        const unsigned instance = rays.hit.instID[0][lane];
-        const unsigned place = instance != RTC_INVALID_GEOMETRY_ID ? instance : rays.hit.geomID[lane];
-        const Corners corners =
-            hit ? corners_of(view.places[place], rays.hit.primID[lane], rays.hit.u[lane], rays.hit.v[lane]) : Corners{};
-        for (int axis = 0; axis < 3; ++axis) {
-            normals[axis][lane] = corners.normal[axis];
-            faces[axis][lane] = corners.face[axis];
-            tangents[axis][lane] = corners.tangent[axis];
-        }
-        materials[lane] = MATERIAL_FLOATS * corners.material;
-    }
-    const auto loaded = [](const float(&v)[3][LANES]) {
-        return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
-    };
-    // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by
-    // its own angle to the ray would flip it at the rim of smooth objects.
-    surface.normal = normalised(loaded(normals));
-    const vec3 face = normalised(loaded(faces));
-    surface.geometric_normal = face * pick(dot(face, surface.normal) < 0.0F, -1.0F, 1.0F);
-    const Real side = pick(dot(surface.geometric_normal, ray.direction) > 0.0F, -1.0F, 1.0F);
-    surface.normal = surface.normal * side;
-    surface.geometric_normal = surface.geometric_normal * side;
-    const Index material = Index::load_aligned(materials);
-    const auto property = [&](int number) { return gather(view.properties + number, material); };
-    surface.albedo = {property(0), property(1), property(2)};
-    surface.reflectance = {property(3), property(4), property(5)};
-    surface.edge = property(6);
-    surface.alpha_x = property(7);
-    surface.alpha_y = property(8);
-    surface.apart = property(9);
-    surface.index = property(10);
-    surface.emission = {property(11), property(12), property(13)};
-    surface.diffuse_roughness = property(14);
-    surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
-    if (surface.glossy) {
-        surface.tangents = plane_across(surface.normal);
-        // Curves over the cosine to the eye.
-        constexpr int STEPS = CURVE_POINTS - 1;
-        const Real place = clamp(-dot(surface.normal, ray.direction), 0.0F, 1.0F) * static_cast<float>(STEPS);
-        const Real step = min(xsimd::floor(place), static_cast<float>(STEPS - 1)), beyond = place - step;
-        const Index at = material + xsimd::to_int(step);
-        const auto curve = [&](int first) {
-            const Real here = gather(view.properties + first, at), next = gather(view.properties + first + 1, at);
-            return here + (next - here) * beyond;
-        };
-        surface.albedo = surface.albedo * curve(18);
-        surface.gain = vec3(property(15), property(16), property(17)) * curve(18 + CURVE_POINTS) + surface.gain;
-        if (view.tangents) {
-            const vec3 tangent = loaded(tangents);
-            const vec3 along = tangent - surface.normal * dot(tangent, surface.normal);
-            const Real length2 = dot(along, along);
-            const Mask usable = length2 > 1e-12F;
-            const Real scale = 1.0F / sqrt(pick(usable, length2, 1.0F));
-            const auto chosen = [&](Real found, Real other) { return pick(usable, found * scale, other); };
-            Plane &plane = surface.tangents;
-            plane.x = {chosen(along.x, plane.x.x), chosen(along.y, plane.x.y), chosen(along.z, plane.x.z)};
-            plane.y = cross(surface.normal, plane.x);
-        }
-    }
-    return surface;
-}
 
 // Whether nothing solid stands on the first `distance` metres from `point`.
 Real visibility(const SurfaceView &view, const vec3 &point, const Towards &towards, Mask asked) {
@@ -212,12 +95,6 @@ Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3
     return pick(asked, visible, pick(above, 0.0F, 1.0F));
 }
 
-Ray ray_through(const FrameView &frame, Real u, Real v) {
-    const auto &c = frame.camera;
-    return CameraText().camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
-                                   broadcast(c[5]), u, v);
-}
-
 // Where another ray meets the plane of a surface; where that is far away, as it is on one seen edge-on, `start`, a
 // point on it.
 vec3 beside(const Surface &surface, const vec3 &start, const Ray &other) {
@@ -271,17 +148,16 @@ Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, c
     if (!xsimd::any(surface.diffuse_roughness >= 0.0F)) {
         return 1.0F;
     }
-    const vec3 towards =
-        light.kind == LightKind::SUN ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+    const vec3 towards = light.parallel() ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
     return SurfacesText().diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction),
                                       -dot(direction, towards), surface.diffuse_roughness);
 }
 
-Reflected reflected(const FrameView &frame, Output output, const Packet &packet, const Ray &ray,
+Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
                     const Surface &surface) {
     Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F};
-    const bool picture = output == Output::PICTURE || output == Output::SURFACES;
-    if (picture) {
+    const bool radiance = wanted.has(Layer::RADIANCE);
+    if (radiance) {
         const Real emissions[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
         for (int c = 0; c < 3; ++c) {
             out.open[c] = out.shadowed[c] = emissions[c];
@@ -305,10 +181,10 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         const Real fresnel = Real::load_aligned(packed.fresnel);
         const Mask lit = surface.hit & ((diffuse > 0.0F) | (plain > 0.0F));
         const bool any_lit = xsimd::any(lit);
-        if (picture && !any_lit) {
+        if (radiance && !any_lit) {
             continue;
         }
-        if (!picture) {
+        if (!radiance) {
             // From the light's middle: a share's denominator must not depend on where this sample fell.
             const Real irradiance = pick(surface.hit, sample_towards(light, start, 0.5F, 0.5F).irradiance, 0.0F);
             for (int c = 0; c < 3; ++c) {
@@ -322,9 +198,9 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
         const Real visible = pick(lit, past.diffuse, 0.0F), mirrored = pick(lit, past.gloss, 0.0F);
         Real through[3];
         smoke_transmittance(frame, light, point, through);
-        const Real rim = picture ? rim_of(surface, light, start, ray.direction) : Real(1.0F);
+        const Real rim = radiance ? rim_of(surface, light, start, ray.direction) : Real(1.0F);
         for (int c = 0; c < 3; ++c) {
-            if (picture) {
+            if (radiance) {
                 const Real edge = surface.edge * (1.0F - reflectances[c]);
                 const Real dull = albedos[c] * diffuse * rim * light.strength[c];
                 const Real gloss = (reflectances[c] * plain + edge * fresnel) * gains[c] * light.strength[c];
@@ -338,10 +214,10 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
             const Real all = diffuse * (3.14159265F * light.strength[c]);
             out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
             const Real solid = all * visible;
-            out.shadowed[c] = out.shadowed[c] + ((output == Output::ALL_SHADOWS ? all : solid) - solid * through[c]);
+            out.shadowed[c] = out.shadowed[c] + ((wanted.has(Layer::ALL_SHADOWS) ? all : solid) - solid * through[c]);
         }
     }
-    if (!picture) {
+    if (!radiance) {
         for (int c = 0; c < 3; ++c) {
             out.shadowed[c] = min(out.shadowed[c] / facing[c], 1.0F);
         }
@@ -350,4 +226,33 @@ Reflected reflected(const FrameView &frame, Output output, const Packet &packet,
 }
 
 } // namespace
+
+void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &out) {
+    const Mask active = Real::load_aligned(packet.active) > 0.0F;
+    const Ray ray = ray_through(frame, Real::load_aligned(packet.u), Real::load_aligned(packet.v));
+    const Surface surface = first_surface(frame.surfaces, ray, active);
+    surface.distance.store_aligned(out.distance);
+    pick(surface.hit, 1.0F, 0.0F).store_aligned(out.hit);
+    const bool radiance = wanted.has(Layer::RADIANCE);
+    Real shadowed[3], open[3]; // with the shadow of the smoke and without
+    for (int i = 0; i < 3; ++i) {
+        shadowed[i] = open[i] = radiance ? frame.background[i] : 0.0F;
+    }
+    Real unshadowed = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
+    if (xsimd::any(surface.hit)) {
+        const Reflected light = reflected(frame, wanted, packet, ray, surface);
+        for (int i = 0; i < 3; ++i) {
+            shadowed[i] = pick(surface.hit, light.shadowed[i], shadowed[i]);
+            open[i] = pick(surface.hit, light.open[i], open[i]);
+        }
+        unshadowed = pick(surface.hit, light.unshadowed, unshadowed);
+    }
+    const Real *const seen = radiance ? open : shadowed;
+    ((seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F)).store_aligned(out.open);
+    unshadowed.store_aligned(out.unshadowed);
+    for (int i = 0; i < 3; ++i) {
+        shadowed[i].store_aligned(out.surface[i]);
+    }
+}
+
 } // namespace sfumato::SFUMATO_ISA

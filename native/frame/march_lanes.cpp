@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One packet of camera rays: the smoke before the first surface, and the two together.
-#include "frame/surfaces_lanes.hpp"
-#include "frame/trace.hpp"
+// The stage of the media: the smoke before the first surface of each ray of a packet.
+#include "frame/layers.hpp"
+#include "frame/rays_lanes.hpp"
+#include "lights/lights_lanes.hpp"
+#include "maps/sampling.hpp"
 #include "text/media_text.hpp"
+#include "text/rays_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +49,7 @@ void scatter(const FrameView &frame, const MediumView &medium, const Cell &cell,
         volume.values = medium.light[i];
         Real incoming = sample(volume, light_cell, Colours);
         Real cosine;
-        if (light.kind == LightKind::SUN) {
+        if (light.parallel()) {
             cosine = dot(broadcast(light.direction), ray.direction);
         } else {
             const vec3 from_light = world - broadcast(light.position);
@@ -154,65 +157,21 @@ Smoke march(const FrameView &frame, const Ray &ray, Real distance, Mask active) 
     return smoke;
 }
 
-void store_plain(const Real rgb[3], Mask hit, Traced &out) {
-    for (int c = 0; c < 3; ++c) {
-        rgb[c].store_aligned(out.radiance[c]);
-    }
-    pick(hit, 1.0F, 0.0F).store_aligned(out.alpha);
-}
-
 } // namespace
 
-void trace(const FrameView &frame, Output output, const Packet &packet, Traced &out) {
+void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &out); // surfaces_lanes.cpp
+
+void march(const FrameView &frame, const Packet &packet, Layers &out) {
     const Mask active = Real::load_aligned(packet.active) > 0.0F;
     const Ray ray = ray_through(frame, Real::load_aligned(packet.u), Real::load_aligned(packet.v));
-    const Surface surface = first_surface(frame.surfaces, ray, active);
-    surface.distance.store_aligned(out.distance);
-
-    const bool picture = output == Output::PICTURE || output == Output::SURFACES;
-    Real shadowed[3], open[3]; // with the shadow of the smoke and without
-    for (int i = 0; i < 3; ++i) {
-        shadowed[i] = open[i] = picture ? frame.background[i] : 0.0F;
+    const Real distance = Real::load_aligned(out.distance);
+    const Smoke smoke = frame.grey ? march<1>(frame, ray, distance, active) : march<3>(frame, ray, distance, active);
+    for (int c = 0; c < 3; ++c) {
+        smoke.radiance[c].store_aligned(out.smoke[c]);
+        smoke.transmittance[c].store_aligned(out.through[c]);
     }
-    Real unshadowed = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
-    if (xsimd::any(surface.hit)) {
-        const Reflected light = reflected(frame, output, packet, ray, surface);
-        for (int i = 0; i < 3; ++i) {
-            shadowed[i] = pick(surface.hit, light.shadowed[i], shadowed[i]);
-            open[i] = pick(surface.hit, light.open[i], open[i]);
-        }
-        unshadowed = pick(surface.hit, light.unshadowed, unshadowed);
-    }
-    const Real *const seen = picture ? open : shadowed;
-    const Real brightness = (seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F);
-    brightness.store_aligned(out.surface);
-    unshadowed.store_aligned(out.unshadowed);
-    const bool overlay = frame.shadow_strength.has_value();
-    if (!overlay && (output != Output::PICTURE || frame.media.empty())) {
-        store_plain(shadowed, surface.hit, out);
-        Real(1.0F).store_aligned(out.seen);
-        return;
-    }
-    const Smoke smoke =
-        frame.grey ? march<1>(frame, ray, surface.distance, active) : march<3>(frame, ray, surface.distance, active);
-    if (overlay) {
-        store_plain(smoke.radiance, surface.hit, out);
-        for (int i = 0; i < 3; ++i) {
-            (smoke.transmittance[i] * (1.0F - *frame.shadow_strength * shadowed[i])).store_aligned(out.behind[i]);
-        }
-        return;
-    }
-    Real through = 0.0F, left = 0.0F;
-    for (int i = 0; i < 3; ++i) {
-        const Real behind = shadowed[i] * smoke.transmittance[i];
-        (behind + smoke.radiance[i]).store_aligned(out.radiance[i]);
-        left = left + behind;
-        through = through + smoke.transmittance[i] * (1.0F / 3.0F);
-    }
-    pick(surface.hit, 1.0F, 1.0F - through).store_aligned(out.alpha);
-    (left * (1.0F / 3.0F) / max(brightness, 1e-20F)).store_aligned(out.seen);
 }
 
-extern const FrameKernels frame_kernels{trace};
+extern const FrameKernels frame_kernels{trace_surfaces, march};
 
 } // namespace sfumato::SFUMATO_ISA

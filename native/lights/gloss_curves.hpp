@@ -11,7 +11,7 @@ namespace sfumato {
 
 constexpr int CURVE_POINTS = 16;
 
-struct LayerCurves {
+struct GlossCurves {
     // At cosines to the eye from 0 to 1, in equal steps: the share of what is diffuse that is left; and of light from
     // all sides, how much is lost between facets for each unit that is not.
     std::array<float, CURVE_POINTS> kept{};
@@ -19,6 +19,6 @@ struct LayerCurves {
     glm::vec3 again{0.0F}; // what comes out of each unit lost: gloss is to be multiplied by 1 + again lost
 };
 
-LayerCurves layer_curves(const Gloss &gloss);
+GlossCurves gloss_curves(const Gloss &gloss);
 
 } // namespace sfumato

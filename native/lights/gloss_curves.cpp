@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lights/layers.hpp"
+#include "lights/gloss_curves.hpp"
 
 #include "text/microfacets_text.hpp"
 
@@ -64,8 +64,8 @@ double sent_again(double reflectance, double plain) {
 
 } // namespace
 
-LayerCurves layer_curves(const Gloss &gloss) {
-    LayerCurves out;
+GlossCurves gloss_curves(const Gloss &gloss) {
+    GlossCurves out;
     out.kept.fill(1.0F);
     const bool covers = gloss.cover > 0.0F;
     const double alpha = std::sqrt(static_cast<double>(gloss.alpha[0]) * static_cast<double>(gloss.alpha[1]));

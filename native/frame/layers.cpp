@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "frame/layers.hpp"
+
+#include <algorithm>
+
+namespace sfumato {
+namespace {
+
+struct Behind {
+    float smoke, through; // of one colour: what the smoke sends, and leaves
+};
+
+} // namespace
+
+void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers) {
+    const bool smoky = wanted.has(Layer::SMOKE) && !view.media.empty();
+    const bool overlay = wanted.overlay();
+    for (int lane = 0; lane < lanes; ++lane) {
+        float left = 0.0F, through = 0.0F;
+        for (int c = 0; c < 3; ++c) {
+            const Behind smoke = smoky ? Behind{layers.smoke[c][lane], layers.through[c][lane]} : Behind{0.0F, 1.0F};
+            const float surface = layers.surface[c][lane];
+            layers.picture[c][lane] = overlay ? smoke.smoke : surface * smoke.through + smoke.smoke;
+            if (overlay) {
+                layers.behind[c][lane] = smoke.through * (1.0F - view.shadow_strength * surface);
+            }
+            left += surface * smoke.through;
+            through += smoke.through;
+        }
+        const bool opaque = layers.hit[lane] > 0.0F || overlay || !smoky;
+        layers.picture[3][lane] = opaque ? layers.hit[lane] : 1.0F - through * (1.0F / 3.0F);
+        layers.seen[lane] = smoky ? left * (1.0F / 3.0F) / std::max(layers.open[lane], 1e-20F) : 1.0F;
+    }
+}
+
+SFUMATO_DISPATCH(FrameKernels, frame_kernels)
+
+} // namespace sfumato

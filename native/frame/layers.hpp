@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What rays through a frame bring home, layer by layer, a packet at a time: what the kernels read and what they answer.
+// Views own nothing.
+#pragma once
+
+#include "lights/light.hpp"
+#include "media/medium_view.hpp"
+#include "solids/surface_view.hpp"
+#include "text/dispatch.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+namespace sfumato {
+
+struct FrameView {
+    std::array<glm::vec3, 6> camera; // near0, near_u, near_v, far0, far_u, far_v
+    SurfaceView surfaces;
+    std::span<const LightView> lights;
+    std::span<const MediumView> media;
+    bool grey = true; // all extinctions are: one march serves all colours
+    glm::vec3 background{0.0F};
+    float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most
+};
+
+enum class Layer : std::uint8_t {
+    RADIANCE = 1,     // of the first surface or the background, in all shadows, but as if no smoke stood before it
+    SMOKE_SHADOW = 2, // the share of its light that smoke takes
+    ALL_SHADOWS = 4,  // the share of its light that smoke and solids take
+    SMOKE = 8         // what the smoke before the surface sends to the eye, and what it leaves of all behind it
+};
+
+// What a picture asks for: one layer of the surface, and the smoke or not. With the smoke the two are composited:
+// before the radiance, a finished picture; before a shadow, what an overlay adds to another picture of the surfaces,
+// and what it leaves of that.
+struct LayerSet {
+    std::uint8_t bits = 0;
+
+    constexpr LayerSet() = default;
+    constexpr LayerSet(Layer layer) // NOLINT(google-explicit-constructor): one layer is a set
+        : bits(static_cast<std::uint8_t>(layer)) {}
+    [[nodiscard]] constexpr bool has(Layer layer) const { return (bits & static_cast<std::uint8_t>(layer)) != 0; }
+    [[nodiscard]] constexpr bool shadow() const { return has(Layer::SMOKE_SHADOW) || has(Layer::ALL_SHADOWS); }
+    [[nodiscard]] constexpr bool overlay() const { return shadow() && has(Layer::SMOKE); }
+    [[nodiscard]] constexpr LayerSet with(Layer layer) const {
+        LayerSet both = *this;
+        both.bits = static_cast<std::uint8_t>(both.bits | static_cast<std::uint8_t>(layer));
+        return both;
+    }
+};
+
+constexpr LayerSet PICTURE = LayerSet(Layer::RADIANCE).with(Layer::SMOKE);
+
+// Where on the image, and on every light, the shadows of solids are looked at: as Packet's, for each lane.
+struct ShadowSample {
+    alignas(64) float u[MAX_LANES], v[MAX_LANES];
+    alignas(64) float light_u[MAX_LANES], light_v[MAX_LANES];
+};
+
+// Samples, as many as the kernels have lanes.
+struct Packet {
+    alignas(64) float u[MAX_LANES], v[MAX_LANES];             // where on the image, in [0, 1]
+    alignas(64) float light_u[MAX_LANES], light_v[MAX_LANES]; // where on every light, in [0, 1]^2
+    alignas(64) float active[MAX_LANES];                      // 1, or 0 for lanes to spare
+    // Shadows of solids are averaged over these, as they fall on the plane of the surface that the ray itself meets.
+    // Where there are none, from the ray itself, and light_u and light_v.
+    std::span<ShadowSample> shadows;
+};
+
+// What becomes of a packet. Each stage writes its own.
+struct Layers {
+    // Surfaces: the first on each ray.
+    alignas(64) float hit[MAX_LANES];        // 1, or 0 where there is none
+    alignas(64) float distance[MAX_LANES];   // to it, or the ray's reach
+    alignas(64) float surface[3][MAX_LANES]; // the layer that is asked for
+    alignas(64) float open[MAX_LANES]; // the mean of the colours of the radiance, were there no smoke; or of the share
+    alignas(64) float unshadowed[MAX_LANES]; // radiance, or irradiance, were there no shadows at all
+    // March: the smoke before it.
+    alignas(64) float smoke[3][MAX_LANES];
+    alignas(64) float through[3][MAX_LANES];
+    // Composite.
+    alignas(64) float picture[4][MAX_LANES]; // premultiplied RGBA; of one layer or an overlay the alpha is `hit`
+    alignas(64) float behind[3][MAX_LANES];  // of an overlay: the share left of what lies behind the smoke
+    alignas(64) float seen[MAX_LANES];       // the share of `open` that smoke leaves: before the surface and on it
+};
+
+struct FrameKernels {
+    void (*surfaces)(const FrameView &, LayerSet, const Packet &, Layers &);
+    void (*march)(const FrameView &, const Packet &, Layers &);
+};
+
+const FrameKernels &frame_kernels(const InstructionSet &with = instruction_set());
+
+// Of `lanes` lanes; of a frame without smoke the march's layers are not read.
+void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers);
+
+} // namespace sfumato

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "frame/picture.hpp"
+
+#include "frame/film.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace sfumato {
+namespace {
+
+constexpr int TILE = 4; // the sampling pattern repeats every TILE x TILE pixels; TILE^2 = FILM_TURNS
+
+// Neighbouring pixels get distant turns (the order of Bayer's matrix).
+int film_turn(int x, int y) {
+    constexpr std::array<int, 16> BAYER = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+    return BAYER[static_cast<std::size_t>((y % TILE) * TILE + x % TILE)];
+}
+
+// The first look: every pixel once, through its centre, and either through the middles of the lights or spread over
+// them.
+void trace_row(const Tracer &tracer, bool spread, Image &image, int y) {
+    const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
+    const auto fill = [&](Packet &packet, std::size_t lane, std::size_t x) {
+        const FilmSample look = spread ? first_look(static_cast<int>(x), y) : FilmSample{0.0F, 0.0F, 0.5F, 0.5F};
+        packet.u[lane] = (static_cast<float>(x) + 0.5F) / width;
+        packet.v[lane] = (static_cast<float>(y) + 0.5F) / height;
+        packet.light_u[lane] = look.light_u;
+        packet.light_v[lane] = look.light_v;
+    };
+    tracer.trace(static_cast<std::size_t>(image.width), fill,
+                 [&](const Layers &layers, std::size_t lane, std::size_t x) {
+                     const std::size_t pixel = image.at(static_cast<int>(x), y);
+                     image.set_colour(pixel, layers, lane);
+                     image.surfaces[pixel] = layers.open[lane];
+                     image.unshadowed[pixel] = layers.unshadowed[lane];
+                     image.seen[pixel] = layers.seen[lane];
+                     image.distance[pixel] = layers.distance[lane];
+                 });
+}
+
+// What of a pixel one sample cannot tell.
+enum class Unsure : std::uint8_t { NOTHING, SHADOWS, ALL };
+
+// Whether surfaces or their shadows change around a pixel by more than one sample can tell. Filtering leaves a linear
+// ramp as it is, so what counts is how far a pixel is from the middle between two opposite neighbours: of that, what
+// shows through the smoke. Where without the shadows of solids nothing would change, and the surface is the same, only
+// they are looked at again.
+Unsure unsure_of(const Image &image, int x, int y) {
+    constexpr float CONTRAST = 0.03F, STEP = 0.02F;
+    const auto at = [&image](int i, int j) {
+        return image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1));
+    };
+    const std::size_t centre = at(x, y);
+    const float *rgba = image.rgba.data() + 4 * centre;
+    const float mean = (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
+    const float brightness = image.wanted.shadow() ? 1.0F - mean : mean; // a share in shadow leaves the rest
+    constexpr std::array<std::array<int, 2>, 4> WAYS = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+    Unsure found = Unsure::NOTHING;
+    for (const auto &[dx, dy] : WAYS) {
+        const std::size_t before = at(x - dx, y - dy), after = at(x + dx, y + dy);
+        const auto bend = [&](const std::vector<float> &values) {
+            return std::abs(values[before] + values[after] - 2.0F * values[centre]);
+        };
+        const float seen = std::max({image.seen[before], image.seen[centre], image.seen[after]});
+        const float alpha = std::abs(image.rgba[4 * before + 3] - image.rgba[4 * after + 3]);
+        const bool rim = (image.distance[before] > 2.0F * image.distance[after] ||
+                          image.distance[after] > 2.0F * image.distance[before]) &&
+                         alpha > CONTRAST;
+        const float change = bend(image.surfaces) * seen, unshadowed = bend(image.unshadowed);
+        const bool edge = change > CONTRAST * (brightness + change);
+        const bool shadow = unshadowed <= CONTRAST * (image.unshadowed[centre] + unshadowed) &&
+                            bend(image.distance) <= STEP * image.distance[centre];
+        if (rim || (edge && !shadow)) {
+            return Unsure::ALL;
+        }
+        found = edge ? Unsure::SHADOWS : found;
+    }
+    return found;
+}
+
+using Patterns = std::vector<std::vector<FilmSample>>; // of each turn
+
+// Samples some pixels of a row: of each its own pattern, in as few packets as hold them all.
+void refine_pixels(const Tracer &tracer, const Patterns &patterns, Image &image, std::span<const int> columns, int y) {
+    const std::size_t count = patterns.front().size();
+    std::vector<std::array<double, 4>> sums(columns.size());
+    const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
+        const int x = columns[number / count];
+        const FilmSample &s = patterns[static_cast<std::size_t>(film_turn(x, y))][number % count];
+        packet.u[lane] = (static_cast<float>(x) + 0.5F + s.x) / static_cast<float>(image.width);
+        packet.v[lane] = (static_cast<float>(y) + 0.5F + s.y) / static_cast<float>(image.height);
+        packet.light_u[lane] = s.light_u;
+        packet.light_v[lane] = s.light_v;
+    };
+    tracer.trace(columns.size() * count, fill, [&](const Layers &layers, std::size_t lane, std::size_t number) {
+        for (std::size_t c = 0; c < 4; ++c) {
+            sums[number / count][c] += static_cast<double>(layers.picture[c][lane]);
+        }
+    });
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        float *const rgba = image.rgba.data() + 4 * image.at(columns[i], y);
+        for (std::size_t c = 0; c < 4; ++c) {
+            rgba[c] = static_cast<float>(sums[i][c] / static_cast<double>(count));
+        }
+    }
+}
+
+// The same where it is only shadows that change: one ray a pixel, with as many looks at them.
+void refine_shadows(const Tracer &tracer, const Patterns &patterns, Image &image, std::span<const int> columns, int y) {
+    const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
+    const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
+        const int x = columns[number];
+        const float column = static_cast<float>(x) + 0.5F, row = static_cast<float>(y) + 0.5F;
+        packet.u[lane] = column / width;
+        packet.v[lane] = row / height;
+        const std::vector<FilmSample> &pattern = patterns[static_cast<std::size_t>(film_turn(x, y))];
+        for (std::size_t k = 0; k < pattern.size(); ++k) {
+            packet.shadows[k].u[lane] = (column + pattern[k].x) / width;
+            packet.shadows[k].v[lane] = (row + pattern[k].y) / height;
+            packet.shadows[k].light_u[lane] = pattern[k].light_u;
+            packet.shadows[k].light_v[lane] = pattern[k].light_v;
+        }
+    };
+    const auto take = [&](const Layers &layers, std::size_t lane, std::size_t number) {
+        image.set_colour(image.at(columns[number], y), layers, lane);
+    };
+    tracer.trace(columns.size(), fill, take, patterns.front().size());
+}
+
+// Runs body(y) for each row of an image on all cores, asking `progress` between chunks of rows. False if it was
+// stopped.
+template <typename Body>
+bool in_chunks(const Image &image, double done, double share, const Progress &progress, const Body &body) {
+    // Few enough to keep all cores busy, and so many that a stop is not long in coming.
+    constexpr std::size_t LEAST = 8, PIXELS = 1U << 16U;
+    const auto chunks = progress ? static_cast<int>(std::max(LEAST, image.distance.size() / PIXELS)) : 1;
+    const auto first = [&](int chunk) { return static_cast<int>(std::int64_t{image.height} * chunk / chunks); };
+    for (int chunk = 0; chunk < chunks; ++chunk) {
+        if (progress && !progress(done + share * chunk / chunks)) {
+            return false;
+        }
+        oneapi::tbb::parallel_for(first(chunk), first(chunk + 1), body);
+    }
+    return true;
+}
+
+// Samples the pixels in which surfaces or their shadows change `edge_samples` times. False if progress said stop.
+bool refine(const Tracer &tracer, int edge_samples, const Progress &progress, Image &image) {
+    Patterns patterns;
+    patterns.reserve(FILM_TURNS);
+    for (int turn = 0; turn < FILM_TURNS; ++turn) {
+        patterns.push_back(film_samples(edge_samples, turn));
+    }
+    // Which pixels are edges is settled before any of them changes.
+    std::vector<Unsure> unsure(image.distance.size());
+    oneapi::tbb::parallel_for(0, image.height, [&](int y) {
+        for (int x = 0; x < image.width; ++x) {
+            unsure[image.at(x, y)] = unsure_of(image, x, y);
+        }
+    });
+    // A pixel and its eight neighbours may all miss a thin shadow or a corner of a light; their neighbours' do not.
+    const auto beside_shadow = [&](int x, int y) {
+        for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.height - 1); ++j) {
+            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, image.width - 1); ++i) {
+                if (unsure[image.at(i, j)] == Unsure::SHADOWS) {
+                    return true;
+                }
+            }
+        }
+        return false;
+    };
+    return in_chunks(image, 0.5, 0.5, progress, [&](int y) {
+        std::vector<int> edges, shadows;
+        for (int x = 0; x < image.width; ++x) {
+            if (unsure[image.at(x, y)] == Unsure::ALL) {
+                edges.push_back(x);
+            } else if (beside_shadow(x, y)) {
+                shadows.push_back(x);
+            }
+        }
+        refine_pixels(tracer, patterns, image, edges, y);
+        refine_shadows(tracer, patterns, image, shadows, y);
+    });
+}
+
+} // namespace
+
+std::optional<Image> traced(const Tracer &tracer, int width, int height, int edge_samples, const Progress &progress) {
+    Image image(tracer.wanted, width, height);
+    const bool closer = edge_samples > 1;
+    if (!in_chunks(image, 0.0, closer ? 0.5 : 1.0, progress, [&](int y) { trace_row(tracer, closer, image, y); }) ||
+        (closer && !refine(tracer, edge_samples, progress, image))) {
+        return std::nullopt;
+    }
+    return image;
+}
+
+} // namespace sfumato

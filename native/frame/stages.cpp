@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "frame/stages.hpp"
+
+#include "scene/scene.hpp"
+
+#include <algorithm>
+
+namespace sfumato {
+namespace {
+
+constexpr std::array PARTS = {
+    PartStage{"solids", [](const Scene & /*scene*/, const Content & /*content*/) { return true; },
+              [](const Making &making, Content &content) {
+                  content.surfaces.emplace(making.scene.meshes, making.prepared.solids);
+              }},
+    PartStage{"smoke", [](const Scene &scene, const Content & /*content*/) { return !scene.media.empty(); },
+              [](const Making &making, Content &content) {
+                  for (const Medium &medium : making.scene.media) {
+                      CroppedMedium smoke = crop(medium);
+                      if (!smoke.empty()) {
+                          content.grey = content.grey && smoke.grey();
+                          content.media.push_back(std::move(smoke));
+                      }
+                  }
+              }},
+    PartStage{"lights", [](const Scene &scene, const Content & /*content*/) { return !scene.lights.empty(); },
+              [](const Making &making, Content &content) {
+                  content.lighting = Lighting(making.scene.lights, content.media, making.settings.light_samples);
+              }},
+    PartStage{
+        "light maps",
+        [](const Scene &scene, const Content &content) { return !scene.lights.empty() && !content.media.empty(); },
+        [](const Making &making, Content &content) {
+            content.lighting.build_maps(content.media, *content.surfaces,
+                                        {making.settings.coefficients, making.settings.texels_per_cell}, making.with,
+                                        making.prepared.lights);
+        }},
+    PartStage{
+        "light volumes",
+        [](const Scene &scene, const Content &content) { return !scene.lights.empty() && !content.media.empty(); },
+        [](const Making &making, Content &content) {
+            content.lighting.fill_volumes(content.media, content.grey, making.with, making.prepared.lights);
+        }},
+};
+
+constexpr std::array RAYS = {
+    RayStage{"surfaces", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },
+             [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet &packet,
+                Layers &layers) { frame_kernels(with).surfaces(view, wanted, packet, layers); }},
+    RayStage{"march",
+             [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.media.empty(); },
+             [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
+                Layers &layers) { frame_kernels(with).march(view, packet, layers); }},
+    RayStage{"composite", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },
+             [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet & /*packet*/,
+                Layers &layers) { composite(view, wanted, with.lanes, layers); }},
+};
+
+} // namespace
+
+std::span<const PartStage> part_stages() {
+    return PARTS;
+}
+
+std::span<const RayStage> ray_stages() {
+    return RAYS;
+}
+
+std::vector<StageClock::Row> StageClock::rows() const {
+    static_assert(PARTS.size() + RAYS.size() <= MOST);
+    std::vector<Row> out;
+    const auto add = [&](const char *name, std::size_t stage) {
+        const std::chrono::steady_clock::duration time(times_[stage].load());
+        if (time.count() > 0) {
+            out.push_back({name, std::chrono::duration<double>(time).count()});
+        }
+    };
+    for (std::size_t i = 0; i < PARTS.size(); ++i) {
+        add(PARTS[i].name, i);
+    }
+    for (std::size_t i = 0; i < RAYS.size(); ++i) {
+        add(RAYS[i].name, PARTS.size() + i);
+    }
+    return out;
+}
+
+Content content_of(const Making &making, StageClock &clock) {
+    Content content;
+    for (std::size_t i = 0; i < PARTS.size(); ++i) {
+        if (PARTS[i].needed(making.scene, content)) {
+            clock.time(i, [&] { PARTS[i].make(making, content); });
+        }
+    }
+    return content;
+}
+
+void Tracer::run(std::span<const Packet> packets, std::span<Layers> layers) const {
+    for (std::size_t i = 0; i < RAYS.size(); ++i) {
+        if (RAYS[i].needed(view, wanted)) {
+            clock.time(PARTS.size() + i, [&] {
+                for (std::size_t p = 0; p < packets.size(); ++p) {
+                    RAYS[i].run(with, view, wanted, packets[p], layers[p]);
+                }
+            });
+        }
+    }
+}
+
+} // namespace sfumato

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lights/light.hpp"
+
+#include "media/medium.hpp"
+#include "text/lights_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+namespace sfumato {
+namespace {
+
+using LightsText = text::LightsText<float>;
+
+// A lattice of `count` points that share the square [-1, 1]^2 evenly (Fibonacci's), each with its mirror image, so that
+// the middle of them is the middle of the light.
+glm::dvec2 on_square(int i, int count) {
+    const double from_middle = i - 0.5 * (count - 1);
+    const double turn = std::numbers::phi * from_middle + 0.5;
+    return 2.0 * glm::dvec2(from_middle / count, turn - std::floor(turn) - 0.5);
+}
+
+// The unit vector on the side of `axis`, another, whose part across it is given.
+glm::dvec3 on_dome(const glm::dvec3 &axis, const glm::dvec3 &across) {
+    return across + axis * std::sqrt(std::max(1.0 - glm::dot(across, across), 0.0));
+}
+
+} // namespace
+
+glm::dmat3 axes_of(const glm::dvec3 &direction) {
+    const glm::dvec3 along = glm::normalize(direction);
+    const glm::dvec3 helper = std::abs(along.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
+    const glm::dvec3 across = glm::normalize(glm::cross(helper, along));
+    return {across, glm::cross(along, across), along};
+}
+
+bool meets(const LightView &light, const glm::dvec3 &sample, const Ball &ball) {
+    if (light.kind == Light::Kind::SUN) {
+        return true;
+    }
+    const glm::dvec3 across = ball.middle - sample;
+    const double distance = glm::length(across), along = glm::dot(across, glm::dvec3(light.direction));
+    if (light.kind == Light::Kind::POLYGON) {
+        return true;
+    }
+    if (light.kind != Light::Kind::SPHERE) {
+        return along > -ball.radius;
+    }
+    if (light.cone_cosine <= -1.0F || distance <= ball.radius) {
+        return true;
+    }
+    const double cone = std::acos(std::clamp(double{light.cone_cosine}, -1.0, 1.0));
+    return std::acos(std::clamp(along / distance, -1.0, 1.0)) - std::asin(ball.radius / distance) < cone;
+}
+
+LightView view_of(const Light &light, double cell) {
+    LightView view;
+    static_cast<Light &>(view) = light;
+    const double least = 0.25 * cell;
+    double size = 0.0;
+    switch (light.kind) {
+    case Light::Kind::SUN: {
+        const glm::dmat3 axes = axes_of(glm::dvec3(light.direction));
+        // Of a cone's projection on the plane that faces the sun, equal areas bring equal parts of the irradiance.
+        const double radius = std::sin(0.5 * double{light.angle});
+        view.across = glm::vec3(axes[0] * radius);
+        view.up = glm::vec3(axes[1] * radius);
+        view.radius = static_cast<float>(radius);
+        break;
+    }
+    case Light::Kind::SPHERE:
+        view.facing2 = light.facing_disk ? light.radius * light.radius : 0.0F;
+        view.cone_cosine =
+            light.cone < 2.0F * std::numbers::pi_v<float> ? std::cos(0.5F * light.cone) : view.cone_cosine;
+        size = double{light.radius};
+        break;
+    case Light::Kind::RECTANGLE:
+    case Light::Kind::ELLIPSE: {
+        const double edges = glm::length(glm::dvec3(light.across)) * glm::length(glm::dvec3(light.up));
+        const double area = (light.kind == Light::Kind::ELLIPSE ? std::numbers::pi : 4.0) * edges;
+        view.area = static_cast<float>(area);
+        view.radius = static_cast<float>(std::sqrt(area / std::numbers::pi));
+        view.spread_cotangent = light.spread < std::numbers::pi_v<float> ? 1.0F / std::tan(0.5F * light.spread) : 0.0F;
+        size = double{view.radius};
+        break;
+    }
+    case Light::Kind::POLYGON: {
+        const glm::dvec3 a(light.corners[0]), b(light.corners[1]), c(light.corners[2]), d(light.corners[3]);
+        const glm::dvec3 first = 0.5 * glm::cross(b - a, c - a), second = 0.5 * glm::cross(c - a, d - a);
+        const double of_first = glm::length(first), area = of_first + glm::length(second);
+        view.position = glm::vec3((a + c + glm::mix(d, b, of_first / area)) / 3.0);
+        view.direction = glm::vec3(glm::normalize(first + second));
+        view.area = static_cast<float>(area);
+        view.radius = static_cast<float>(std::sqrt(area / std::numbers::pi));
+        size = double{view.radius};
+        break;
+    }
+    }
+    view.size2 = static_cast<float>(std::max(size * size, least * least));
+    return view;
+}
+
+std::vector<glm::vec3> light_samples(const LightView &light, std::span<const CroppedMedium> media, int most) {
+    // How far the shadow of one point of the smoke spreads over as much air as the smoke is wide, in cells.
+    double blur = 0.0;
+    for (const CroppedMedium &medium : media) {
+        const Ball ball = ball_of(medium);
+        double angle = double{light.radius};
+        if (light.kind != Light::Kind::SUN) {
+            angle /= std::max(glm::distance(ball.middle, glm::dvec3(light.position)) - ball.radius, medium.cell_size);
+        }
+        blur = std::max(blur, 4.0 * angle * ball.radius / medium.cell_size);
+    }
+    // Shadows three cells apart melt into one.
+    const int count = std::clamp(static_cast<int>(std::ceil(std::pow(std::min(blur / 3.0, 1e3), 2.0))), 1, most);
+    std::vector<glm::vec3> samples;
+    const glm::dvec3 position(light.position), towards(-glm::dvec3(light.direction));
+    for (int i = 0; i < count; ++i) {
+        const glm::dvec2 square = on_square(i, count);
+        const LightsText::DiskPoint on_disk =
+            LightsText().point_on_disk(static_cast<float>(square.x), static_cast<float>(square.y));
+        const glm::dvec2 disk(on_disk.x, on_disk.y);
+        const glm::dvec3 across(light.across), up(light.up);
+        switch (light.kind) {
+        case Light::Kind::SUN:
+            samples.emplace_back(on_dome(towards, across * disk.x + up * disk.y));
+            break;
+        case Light::Kind::SPHERE: {
+            // The disk that the sphere shows to the smoke.
+            const glm::dvec3 middle = media.empty() ? position + towards : ball_of(media.front()).middle;
+            const glm::dvec3 look = middle - position;
+            const glm::dmat3 axes = axes_of(glm::length(look) > 0.0 ? look : towards);
+            samples.emplace_back(position + double{light.radius} * (axes[0] * disk.x + axes[1] * disk.y));
+            break;
+        }
+        case Light::Kind::RECTANGLE:
+            samples.emplace_back(position + across * square.x + up * square.y);
+            break;
+        case Light::Kind::ELLIPSE:
+            samples.emplace_back(position + across * disk.x + up * disk.y);
+            break;
+        case Light::Kind::POLYGON: {
+            const glm::vec2 unit(0.5 * square + 0.5);
+            const auto &c = light.corners;
+            samples.push_back(LightsText().point_on_quad(c[0], c[1], c[2], c[3], unit.x, unit.y));
+            break;
+        }
+        }
+    }
+    return samples;
+}
+
+} // namespace sfumato

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The first surface on each ray of a packet, with all that shading reads of it.
+#pragma once
+
+#include "lights/lights_lanes.hpp"
+#include "solids/hits_lanes.hpp"
+#include "solids/surface_view.hpp"
+#include "text/camera_text.hpp"
+#include "text/lanes.hpp"
+
+#include <cstdint>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+struct Surface {
+    Mask hit;
+    Real distance; // or the ray's reach
+    vec3 normal;   // shading normal, towards the eye
+    vec3 geometric_normal;
+    vec3 albedo;
+    bool glossy = false; // whether any lane is
+    Plane tangents;      // x the direction of alpha_x; set where glossy
+    vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
+    Real edge, alpha_x, alpha_y, apart, index;
+    vec3 gain{1.0F, 1.0F, 1.0F}; // of the gloss, by what facets send to each other
+    vec3 emission;
+    Real diffuse_roughness;
+};
+
+inline Surface first_surface(const SurfaceView &view, const text::CameraText<Real, Isa>::Ray &ray, Mask active) {
+    Surface surface;
+    surface.hit = Mask(false);
+    surface.distance = ray.reach;
+    if (view.scene == nullptr) {
+        return surface;
+    }
+    typename Rays<LANES>::RayHit rays;
+    // A surface in the far plane itself is seen: the boxes around it may round to either side of it.
+    set_rays(rays.ray, ray.origin, ray.direction, 0.0F, ray.reach * 1.000001F);
+    for (int lane = 0; lane < LANES; ++lane) {
+        rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+        rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    alignas(64) int valid[LANES];
+    valid_lanes(active, valid);
+    Rays<LANES>::intersect(valid, view.scene, !view.instanced, rays);
+
+    alignas(64) float hits[LANES];
+    bool any = false;
+    for (int lane = 0; lane < LANES; ++lane) {
+        const bool hit = valid[lane] != 0 && rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
+        hits[lane] = hit ? 1.0F : 0.0F;
+        any = any || hit;
+    }
+    if (!any) {
+        return surface;
+    }
+    surface.hit = Real::load_aligned(hits) > 0.0F;
+    surface.distance = pick(surface.hit, Real::load_aligned(rays.ray.tfar), ray.reach);
+
+    // The lanes' places have arrays of their own, so these are read lane by lane.
+    alignas(64) float normals[3][LANES], faces[3][LANES], tangents[3][LANES];
+    alignas(64) std::int32_t materials[LANES];
+    for (int lane = 0; lane < LANES; ++lane) {
+        const bool hit = hits[lane] != 0.0F;
+        const unsigned instance = rays.hit.instID[0][lane];
+        const unsigned place = instance != RTC_INVALID_GEOMETRY_ID ? instance : rays.hit.geomID[lane];
+        const Corners corners =
+            hit ? corners_of(view.places[place], rays.hit.primID[lane], rays.hit.u[lane], rays.hit.v[lane]) : Corners{};
+        for (int axis = 0; axis < 3; ++axis) {
+            normals[axis][lane] = corners.normal[axis];
+            faces[axis][lane] = corners.face[axis];
+            tangents[axis][lane] = corners.tangent[axis];
+        }
+        materials[lane] = MATERIAL_FLOATS * corners.material;
+    }
+    const auto loaded = [](const float(&v)[3][LANES]) {
+        return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
+    };
+    // The corner normals say which side is the front, the triangle which side is seen: turning the shading normal by
+    // its own angle to the ray would flip it at the rim of smooth objects.
+    surface.normal = normalised(loaded(normals));
+    const vec3 face = normalised(loaded(faces));
+    surface.geometric_normal = face * pick(dot(face, surface.normal) < 0.0F, -1.0F, 1.0F);
+    const Real side = pick(dot(surface.geometric_normal, ray.direction) > 0.0F, -1.0F, 1.0F);
+    surface.normal = surface.normal * side;
+    surface.geometric_normal = surface.geometric_normal * side;
+    const Index material = Index::load_aligned(materials);
+    const auto property = [&](int number) { return gather(view.properties + number, material); };
+    surface.albedo = {property(0), property(1), property(2)};
+    surface.reflectance = {property(3), property(4), property(5)};
+    surface.edge = property(6);
+    surface.alpha_x = property(7);
+    surface.alpha_y = property(8);
+    surface.apart = property(9);
+    surface.index = property(10);
+    surface.emission = {property(11), property(12), property(13)};
+    surface.diffuse_roughness = property(14);
+    surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
+    if (surface.glossy) {
+        surface.tangents = plane_across(surface.normal);
+        // Curves over the cosine to the eye.
+        constexpr int STEPS = CURVE_POINTS - 1;
+        const Real place = clamp(-dot(surface.normal, ray.direction), 0.0F, 1.0F) * static_cast<float>(STEPS);
+        const Real step = min(xsimd::floor(place), static_cast<float>(STEPS - 1)), beyond = place - step;
+        const Index at = material + xsimd::to_int(step);
+        const auto curve = [&](int first) {
+            const Real here = gather(view.properties + first, at), next = gather(view.properties + first + 1, at);
+            return here + (next - here) * beyond;
+        };
+        surface.albedo = surface.albedo * curve(18);
+        surface.gain = vec3(property(15), property(16), property(17)) * curve(18 + CURVE_POINTS) + surface.gain;
+        if (view.tangents) {
+            const vec3 tangent = loaded(tangents);
+            const vec3 along = tangent - surface.normal * dot(tangent, surface.normal);
+            const Real length2 = dot(along, along);
+            const Mask usable = length2 > 1e-12F;
+            const Real scale = 1.0F / sqrt(pick(usable, length2, 1.0F));
+            const auto chosen = [&](Real found, Real other) { return pick(usable, found * scale, other); };
+            Plane &plane = surface.tangents;
+            plane.x = {chosen(along.x, plane.x.x), chosen(along.y, plane.x.y), chosen(along.z, plane.x.z)};
+            plane.y = cross(surface.normal, plane.x);
+        }
+    }
+    return surface;
+}
+
+} // namespace
+} // namespace sfumato::SFUMATO_ISA
