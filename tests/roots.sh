@@ -13,7 +13,7 @@ inside=("${apart[@]}" bash -euc '
     cp -L /etc/ssl/certs/ca-certificates.crt "$0/etc/ssl/certs/"
     cp -L /etc/resolv.conf /etc/hosts "$0/etc/"
     mkdir -p "$0/sfumato"
-    mount --bind "$1" "$0/sfumato"
+    mount --rbind "$1" "$0/sfumato"
     shift
     mount -t tmpfs tmp "$0/tmp"
     mount --rbind /dev "$0/dev"
@@ -54,9 +54,11 @@ copy_sources() {
         tar -C "$root" --null --files-from - --ignore-failed-read -c | tar -C "$tree" -x
 }
 
+root_recipe() { echo "${packages[*]} $(declare -f make_root) ${inside[*]}"; }
+
 # use_root NAME: set `cached` to the root of trixie (Debian 13) or sid, made if it is not there.
 use_root() {
     install_missing debootstrap debian-archive-keyring
     "${apart[@]}" true || { echo "$(basename "$0") needs root and the right to mount" >&2 && return 1; }
-    cached "$1" "${packages[*]} $(declare -f make_root) ${inside[*]}" make_root "$1"
+    cached "$1" "$(root_recipe)" make_root "$1"
 }

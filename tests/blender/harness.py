@@ -82,7 +82,7 @@ def enable() -> None:
 def command(script: str | Path, blend: Path | None = None) -> list[str]:
     """What runs a script, a file or text that begins with `import`, in another process of this Blender."""
     if WHEEL:
-        start = [sys.executable, str(Path(__file__).with_name("start_wheel.py")), str(script)]
+        start = [sys.executable, str(Path(__file__).parent / "wheel" / "start.py"), str(script)]
         return start if blend is None else [*start, str(blend)]
     start = [bpy.app.binary_path, "-b", "--factory-startup", "--python-use-system-env", "--python-exit-code", "3"]
     file = [] if blend is None else [str(blend)]

@@ -36,7 +36,9 @@ def difference(samples: int) -> float:
     theirs, noise = in_cycles(samples)
     whole, mean = float(((ours - theirs) ** 2).mean()), float(theirs.mean())
     error = math.sqrt(max(whole - noise, 0.0)) / mean
-    print(f"  error {error:.2%}, with the noise {math.sqrt(whole) / mean:.2%}; means {ours.mean() / mean:.4f}", flush=True)
+    print(
+        f"  error {error:.2%}, with the noise {math.sqrt(whole) / mean:.2%}; means {ours.mean() / mean:.4f}", flush=True
+    )
     return error
 
 
