@@ -87,8 +87,10 @@ py::bytes content_hash(const py::args &arrays) {
         }
         const std::string head = std::string(py::str(array.dtype())) + shape_of(array);
         XXH3_128bits_update(state, head.data(), head.size());
+        // By Python's protocol: array.nbytes() is 0 where pybind11 before 2.12 meets NumPy 2, without an error.
+        const py::buffer_info bytes = array.request();
         const py::gil_scoped_release unlocked;
-        XXH3_128bits_update(state, array.data(), static_cast<std::size_t>(array.nbytes()));
+        XXH3_128bits_update(state, bytes.ptr, static_cast<std::size_t>(bytes.size * bytes.itemsize));
     }
     XXH128_canonical_t digest;
     XXH128_canonicalFromHash(&digest, XXH3_128bits_digest(state));
