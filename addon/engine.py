@@ -42,6 +42,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
         except (core.Missing, ValueError, RuntimeError) as error:
             self.report({"ERROR"}, str(error))
             return
+        log.took(frame.stages)
         if image is None:
             return
         if not settings.render.film_transparent:

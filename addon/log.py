@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 _notices: dict[str, list[str]] = {}
+_stages: dict[str, float] = {}
 
 
 def replace(source: str, notices: list[str]) -> None:
@@ -24,3 +25,14 @@ def notices() -> list[str]:
 def clear() -> None:
     """Forget everything: another file was opened, or the add-on is going."""
     _notices.clear()
+    _stages.clear()
+
+
+def took(stages: dict[str, float]) -> None:
+    """Frame.stages of what was last drawn or rendered."""
+    _stages.clear()
+    _stages.update(stages)
+
+
+def stages() -> dict[str, float]:
+    return _stages

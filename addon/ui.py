@@ -30,6 +30,23 @@ def draw_notices(layout: Any, width: int) -> None:
         draw_wrapped(layout.box().column(align=True), line, max(20, width // 8), "INFO")
 
 
+class StagesPanel:
+    """What the last frame did, and what that took: closed until somebody asks."""
+
+    bl_label = "Stages"
+    bl_options = {"DEFAULT_CLOSED"}
+    layout: Any
+
+    def draw(self, context: Any) -> None:
+        column = self.layout.column(align=True)
+        for name, seconds in log.stages().items():
+            row = column.row()
+            row.label(text=name.capitalize())
+            row.label(text=f"{1e3 * seconds:.1f} ms")
+        if not log.stages():
+            column.label(text="Nothing was drawn yet")
+
+
 class SfumatoViewportPanel(bpy.types.Panel):
     bl_idname = "SFUMATO_PT_viewport"
     bl_label = "Smoke"
@@ -45,6 +62,14 @@ class SfumatoViewportPanel(bpy.types.Panel):
         layout.prop(settings, "quality")
         layout.operator(ops.SfumatoHideOwnSmoke.bl_idname)
         draw_notices(layout, context.region.width)
+
+
+class SfumatoViewportStagesPanel(StagesPanel, bpy.types.Panel):
+    bl_idname = "SFUMATO_PT_viewport_stages"
+    bl_parent_id = "SFUMATO_PT_viewport"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Sfumato"
 
 
 class SfumatoRenderPanel(bpy.types.Panel):
@@ -68,6 +93,15 @@ class SfumatoRenderPanel(bpy.types.Panel):
         draw_notices(layout, context.region.width)
 
 
+class SfumatoRenderStagesPanel(StagesPanel, bpy.types.Panel):
+    bl_idname = "SFUMATO_PT_render_stages"
+    bl_parent_id = "SFUMATO_PT_render"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {ENGINE}
+
+
 class SfumatoPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
@@ -79,7 +113,14 @@ class SfumatoPreferences(bpy.types.AddonPreferences):
             self.layout.label(text=f"Ready, using {core.module().instruction_set} instructions", icon="CHECKMARK")
 
 
-CLASSES = (ops.SfumatoHideOwnSmoke, SfumatoViewportPanel, SfumatoRenderPanel, SfumatoPreferences)
+CLASSES = (
+    ops.SfumatoHideOwnSmoke,
+    SfumatoViewportPanel,
+    SfumatoViewportStagesPanel,
+    SfumatoRenderPanel,
+    SfumatoRenderStagesPanel,
+    SfumatoPreferences,
+)
 
 
 def borrowed_panels() -> list[Any]:

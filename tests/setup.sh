@@ -7,13 +7,14 @@ build=$root/build
 # What is costly to make and the same for every clone; computed here, since use_built_addon changes XDG_CACHE_HOME.
 cache=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/sfumato
 
-# The one list of packages, the same for Debian 12, 13 and sid. libboost-dev is for OpenVDB 10's headers; python3-cattr
+# The one list of packages, the same for Debian 12, 13 and sid. libopenvdb-dev is for tests, libboost-dev for OpenVDB 10's headers; python3-cattr
 # and python3-requests are what the scripts of Debian's Blender 5.2 import and its package does not ask for.
 # shellcheck disable=SC2034 # read by the scripts that source this file
 packages=(
     blender xvfb xauth libgl1-mesa-dri libegl1
     g++ cmake ninja-build pybind11-dev python3-dev
-    libglm-dev libxsimd-dev libxxhash-dev libtbb-dev libembree-dev libopenvdb-dev libboost-dev
+    libglm-dev libxsimd-dev libxxhash-dev libtbb-dev libembree-dev
+    zlib1g-dev liblz4-dev libopenvdb-dev libboost-dev
     libgtest-dev python3-pytest python3-numpy python3-cattr python3-requests
 )
 

@@ -34,8 +34,8 @@ def compile_shader(
     vertex: list[str] | None = None,
     generated: str = "",
 ) -> Any:
-    """Compile a shader put together from files; the last of each list has main(), and in the fragment shader what is
-    generated comes before that. `declare` states what it reads and writes. Without `vertex` it draws the screen
+    """Compile a shader put together from files; the last of each list has main(), and what is generated comes before the
+    first file of the fragment shader. `declare` states what it reads and writes. Without `vertex` it draws the screen
     triangle, whose attribute need not be declared."""
     import gpu
 
@@ -45,10 +45,9 @@ def compile_shader(
         info.vertex_in(0, "VEC2", "corner")
     declare(info)
     prelude = "#define pick(condition, a, b) ((condition) ? (a) : (b))\n#define any_lane(condition) (condition)\n"
-    prelude += "#define reciprocal(x) (1.0f / (x))\n"
+    prelude += "#define reciprocal(x) (1.0f / (x))\n#define lowest_lane(x) (x)\n"
     info.vertex_source(prelude + "".join(shader_text(file) for file in vertex))
-    texts = [shader_text(file) for file in fragment]
-    info.fragment_source(prelude + "".join(texts[:-1]) + generated + texts[-1])
+    info.fragment_source(prelude + generated + "".join(shader_text(file) for file in fragment))
     try:
         return gpu.shader.create_from_info(info)
     except Exception as error:  # gpu raises the bare class

@@ -13,9 +13,6 @@ from .shader import BRICK, compile_shader, shader_text, texture
 # The share of its light that a surface is taken to have from the lights, in views that are not lit by them alone.
 SHADOW_STRENGTH = 0.8
 
-# The optical depth at which a march stops: what lies behind adds less than 1e-5 of its radiance.
-OPAQUE_DEPTH = 12.0
-
 # smoke_textures.glsl
 MEDIUM_TEXTURES = ("density", "light", "clearance")
 
@@ -24,7 +21,6 @@ def smoke_shader(colours: int, media: int, overlay: bool) -> Any:
     def declare(info: Any) -> None:
         info.define("COLOURS", str(colours))
         info.define("MEDIA", str(media))
-        info.define("OPAQUE_DEPTH", f"{OPAQUE_DEPTH:.1f}f")
         if overlay:
             info.define("OVERLAY", "1")
             info.fragment_out(1, "VEC4", "transmittance")
@@ -36,19 +32,27 @@ def smoke_shader(colours: int, media: int, overlay: bool) -> Any:
             for slot, name in enumerate(MEDIUM_TEXTURES):
                 info.sampler(1 + len(MEDIUM_TEXTURES) * medium + slot, "FLOAT_3D", f"{name}_{medium}")
 
-    files = ["camera.glsl", "rays/opacity.glsl", "media/phase.glsl", "lights/light.glsl", "media/medium.glsl"]
+    files = [
+        "camera.glsl",
+        "lights/light.glsl",
+        "media/phase.glsl",
+        "media/medium.glsl",
+        "viewport/smoke_media.glsl",
+        "media/march.glsl",
+        "viewport/smoke_fragment.glsl",
+    ]
     textures = shader_text("viewport/smoke_textures.glsl")
     accessors = [textures.replace("NUMBER", str(medium)) for medium in range(media)]
     accessors += [_by_medium(*function, media) for function in MEDIUM_FUNCTIONS]
     name = f"{colours} colours, {media} media{', overlay' if overlay else ''}"
-    return compile_shader(name, declare, files + ["viewport/smoke_fragment.glsl"], generated="".join(accessors))
+    return compile_shader(name, declare, files, generated="".join(accessors))
 
 
 # The functions of smoke_textures.glsl.
 MEDIUM_FUNCTIONS = (
-    ("float", "clearance_at", "ivec3 brick", "brick"),
+    ("float", "clearance_of_brick", "ivec3 brick", "brick"),
     ("float", "density_at", "vec3 place", "place"),
-    ("vec4", "light_at", "vec3 place, float light, float lights, float cells", "place, light, lights, cells"),
+    ("vec4", "light_in_volume", "vec3 place, float light, float lights, float cells", "place, light, lights, cells"),
 )
 
 

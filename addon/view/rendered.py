@@ -12,7 +12,7 @@ from typing import Any
 
 import bpy
 
-from .. import props
+from .. import log, props
 from . import refinement
 from .painter import Look, Picture, painter
 
@@ -27,6 +27,7 @@ def picture_of(context: bpy.types.Context, frame: Any, look: Look) -> Picture:
     """The smoke of the view that is being drawn: at once, and refined in a later redraw unless something changes."""
     view = context.region.as_pointer()
     picture = painter().picture(view, frame, look, refinement.take(view, (frame, look)))
+    log.took(frame.stages)
     if not picture.refined:
         samples = props.QUALITIES[props.of(context.scene).quality].edge_samples
         trace = partial(frame.surfaces, look.camera(), *look.size, look.output, samples)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stage of the surfaces: the first on each ray of a packet, and the light on it past solids and smoke.
 #include "frame/layers.hpp"
-#include "frame/rays_lanes.hpp"
 #include "lights/lights_lanes.hpp"
 #include "lights/shading.hpp"
 #include "maps/sampling.hpp"
 #include "solids/first_surface_lanes.hpp"
 #include "solids/hits_lanes.hpp"
+#include "text/camera_text.hpp"
 #include "text/rays_text.hpp"
 #include "text/surfaces_text.hpp"
 
@@ -18,7 +18,15 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
+using CameraText = text::CameraText<Real, Isa>;
 using SurfacesText = text::SurfacesText<Real, Isa>;
+using Ray = CameraText::Ray;
+
+Ray ray_through(const FrameView &frame, Real u, Real v) {
+    const auto &c = frame.camera;
+    return CameraText().camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
+                                   broadcast(c[5]), u, v);
+}
 
 // Whether nothing solid stands on the first `distance` metres from `point`.
 Real visibility(const SurfaceView &view, const vec3 &point, const Towards &towards, Mask asked) {

@@ -37,7 +37,7 @@ PYBIND11_MODULE(sfumato, m) {
 
     m.def(
         "read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",
-        R"(The active part of a grid of floats in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
+        R"(The active part of a grid of scalars in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
 takes cells to the file's own space. Raises ValueError that names the file and the cause.
 
 >>> read_volume("missing.vdb")  # doctest: +ELLIPSIS

@@ -464,7 +464,7 @@ def project(
     """Coefficients of absorbers along light rays: eqs 1-2 and 5-6 of Jansen and Bavoil (2010), or their like."""
 
 def read_volume(path: str, grid: str = "density") -> tuple[Any, ...]:
-    """The active part of a grid of floats in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
+    """The active part of a grid of scalars in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
     takes cells to the file's own space. Raises ValueError that names the file and the cause.
     """
 

@@ -1,216 +1,192 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/volume_file.hpp"
 
+#include "scene/vdb_tree.hpp"
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
+#include <new>
+#include <span>
 #include <stdexcept>
 
 #include <glm/common.hpp>
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/Dense.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 namespace sfumato {
 namespace {
 
 constexpr std::int64_t MOST_CELLS = std::int64_t{1} << 30; // 4 GiB of floats
+constexpr std::ptrdiff_t EDGE = VdbLeaf::EDGE;
 
-template <typename Number>
-Number number(std::istream &stream) {
-    Number value{};
-    if (!stream.read(reinterpret_cast<char *>(&value), sizeof value)) {
-        throw std::runtime_error("its header is cut short");
-    }
-    return value;
-}
+using Leaf = std::span<float, VdbLeaf::VOXELS>;
 
-void skip(std::istream &stream, std::int64_t bytes, std::int64_t size) {
-    if (bytes > size - stream.tellg()) {
-        throw std::runtime_error("its header is cut short");
-    }
-    stream.seekg(bytes, std::ios::cur);
-}
-
-// The library reads on behind a file's end, for minutes or for ever. Each grid's descriptor says where the grid ends,
-// so the header is walked through once: version, metadata, and for each grid its descriptor, up to the next one.
-void require_whole(std::istream &stream, std::int64_t size) {
-    const auto skip_text = [&] { skip(stream, number<std::uint32_t>(stream), size); };
-    const auto version = number<std::uint32_t>(stream);
-    if (version < openvdb::OPENVDB_FILE_VERSION_NODE_MASK_COMPRESSION) {
-        return; // before 2013, when descriptors were different
-    }
-    skip(stream, 2 * sizeof(std::uint32_t), size); // the library's own version
-    const bool offsets = number<char>(stream) != 0;
-    skip(stream, 36, size); // a name of its own, in hexadecimal digits
-    for (auto left = number<std::uint32_t>(stream); left > 0; --left) {
-        skip_text(); // name
-        skip_text(); // type
-        skip_text(); // value
-    }
-    const auto grids = number<std::int32_t>(stream);
-    for (std::int32_t grid = 0; offsets && grid < grids; ++grid) {
-        skip_text(); // name
-        skip_text(); // type
-        skip_text(); // of which it is an instance
-        number<std::int64_t>(stream);
-        number<std::int64_t>(stream);
-        const auto end = number<std::int64_t>(stream);
-        if (end > size || end < stream.tellg()) {
-            throw std::runtime_error("it is cut short, " + std::to_string(size) + " bytes of at least " +
-                                     std::to_string(end));
-        }
-        stream.seekg(end);
-    }
-}
-
-// What the library would say of these in words of its own, or not at all.
-void require_vdb(const std::string &path) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) {
-        throw std::runtime_error("there is no such file");
-    }
-    if (std::filesystem::is_directory(status)) {
-        throw std::runtime_error("it is a directory");
-    }
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) {
-        throw std::runtime_error("it cannot be opened");
-    }
-    if (std::filesystem::file_size(path) == 0) {
-        throw std::runtime_error("it is empty");
-    }
-    if (std::int64_t magic = 0;
-        !stream.read(reinterpret_cast<char *>(&magic), sizeof magic) || magic != openvdb::OPENVDB_MAGIC) {
-        throw std::runtime_error("it is no OpenVDB file");
-    }
-    require_whole(stream, static_cast<std::int64_t>(std::filesystem::file_size(path)));
-}
-
-// The grid, before any of its voxels are read, whose header tells its type and its box.
-openvdb::GridBase::Ptr header_of(openvdb::io::File &file, const std::string &name) {
-    if (!file.hasGrid(name)) {
-        std::string all;
-        for (auto at = file.beginName(); at != file.endName(); ++at) {
-            all += (all.empty() ? "'" : ", '") + at.gridName() + "'";
-        }
-        throw std::runtime_error("it has no grid '" + name + "', but " + (all.empty() ? "none at all" : all));
-    }
-    openvdb::GridBase::Ptr grid = file.readGridMetadata(name);
-    const std::string type = grid->valueType();
-    if (!grid->isType<openvdb::FloatGrid>()) {
-        throw std::runtime_error("its grid '" + name + "' holds " + type + ", not floats");
-    }
-    if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
-        throw std::runtime_error("its grid '" + name + "' is a level set, a distance to a surface and no density");
-    }
-    if (!grid->transform().isLinear()) {
-        throw std::runtime_error("its grid '" + name + "' has a " + grid->transform().mapType() +
-                                 ", but only linear ones can be read");
-    }
-    return grid;
+std::string text_of(const glm::ivec3 &voxel) {
+    return std::to_string(voxel.x).insert(0, 1, '[') + ", " + std::to_string(voxel.y) + ", " + std::to_string(voxel.z) +
+           "]";
 }
 
 // In 64 bits: the extents of a box from one end of the index space to the other overflow 32.
-void require_room(const openvdb::CoordBBox &box, const std::string &name) {
+std::array<std::int64_t, 3> extents(const VoxelBox &box) {
     std::array<std::int64_t, 3> size{};
-    double cells = 1.0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        size[axis] = std::int64_t{box.max()[axis]} - box.min()[axis] + 1;
-        cells *= static_cast<double>(size[axis]);
+    for (int axis = 0; axis < 3; ++axis) {
+        size[static_cast<std::size_t>(axis)] = std::int64_t{box.high[axis]} - box.low[axis] + 1;
     }
-    if (cells > static_cast<double>(MOST_CELLS)) {
-        throw std::runtime_error("its grid '" + name + "' spans " + std::to_string(size[0]) + " x " +
-                                 std::to_string(size[1]) + " x " + std::to_string(size[2]) +
-                                 " cells; at most 2^30 cells can be read");
-    }
+    return size;
 }
 
-// use(the open file, the grid before any of its voxels are read).
-template <typename Use>
-auto with_file(const std::string &path, const std::string &name, const Use &use) {
-    require_vdb(path);
-    openvdb::initialize();
-    openvdb::io::File file(path);
-    file.open(false); // everything now: a truncated file must fail here, not in the middle of a frame
-    return use(file, header_of(file, name));
+[[noreturn]] void refuse_box(const VoxelBox &box, const std::string &name, const std::string &why) {
+    const auto size = extents(box);
+    throw std::runtime_error("its grid '" + name + "' spans " + std::to_string(size[0]) + " x " +
+                             std::to_string(size[1]) + " x " + std::to_string(size[2]) + " cells; " + why);
 }
 
-openvdb::FloatGrid::Ptr voxels_of(openvdb::io::File &file, const std::string &name) {
-    auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(name));
-    if (!grid) {
-        throw std::runtime_error("its grid '" + name + "' does not hold floats");
-    }
-    return grid;
-}
-
-VolumeHeader placed(const openvdb::CoordBBox &box, const openvdb::GridBase &grid, const std::string &name) {
+VolumeHeader placed(const VoxelBox &box, const VdbGrid &grid) {
     VolumeHeader header;
     if (box.empty()) {
         return header;
     }
-    require_room(box, name);
-    const openvdb::Coord size = box.dim();
-    header.resolution = {size.x(), size.y(), size.z()};
-    const openvdb::math::Mat4d index_to_object = grid.transform().baseMap()->getAffineMap()->getMat4();
-    for (int row = 0; row < 4; ++row) { // OpenVDB multiplies row vectors: its rows are GLM's columns
-        for (int column = 0; column < 4; ++column) {
-            header.grid_to_object[row][column] = index_to_object(row, column);
-        }
+    const auto size = extents(box);
+    if (static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]) >
+        static_cast<double>(MOST_CELLS)) {
+        refuse_box(box, grid.name, "at most 2^30 cells can be read");
     }
+    header.resolution = {size[0], size[1], size[2]};
+    header.grid_to_object = grid.index_to_object;
     // OpenVDB's samples are at whole numbers, ours in the middle of cells.
-    const glm::dvec4 first(box.min().x() - 0.5, box.min().y() - 0.5, box.min().z() - 0.5, 1.0);
-    header.grid_to_object[3] = header.grid_to_object * first;
+    header.grid_to_object[3] = header.grid_to_object * glm::dvec4(glm::dvec3(box.low) - 0.5, 1.0);
     return header;
 }
 
-VolumeFile dense(const openvdb::FloatGrid &grid, const openvdb::CoordBBox &box, const std::string &name) {
-    VolumeFile volume{placed(box, grid, name), {}};
-    if (box.empty()) {
+// A grid of a file, before any of its voxels are read.
+struct Chosen {
+    VdbFile file;
+    VdbGrid grid;
+
+    Chosen(const std::string &path, const std::string &name) : file(path), grid(file.find(name)) {
+        const auto refuse = [&](const std::string &why) { throw std::runtime_error("its grid '" + name + "' " + why); };
+        if (grid.numbers.scalar == VdbScalar::NONE) {
+            refuse("holds " + grid.numbers.name + ", not floats");
+        }
+        file.read_head(grid);
+        if (grid.level_set) {
+            refuse("is a level set, a distance to a surface and no density");
+        }
+        if (grid.tree == 0) {
+            refuse("has a " + grid.map + ", but only linear ones can be read");
+        }
+        grid.name = name;
+    }
+
+    // Of the tree, whose voxels stay in the file's bytes.
+    VdbTree tree() {
+        VdbGrid holder = file.holder(grid);
+        file.read_head(holder);
+        if (holder.tree == 0) {
+            throw std::runtime_error("its grid '" + holder.name + "' has a " + holder.map);
+        }
+        grid.numbers = holder.numbers;
+        return read_vdb_tree(file.hold_tree(holder), grid.numbers);
+    }
+};
+
+// use(number of the leaf, its voxels), of many at once.
+template <typename Target, typename Use>
+void for_each_leaf(const VdbTree &tree, const VdbNumbers &numbers, const Target &target, const Use &use) {
+    constexpr std::size_t grain = 16;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tree.leaves.size(), grain), [&](const auto &range) {
+        VdbUnpacker unpacker(numbers);
+        std::array<float, VdbLeaf::VOXELS> here;
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const Leaf voxels = target(i, here);
+            unpacker.unpack(tree.leaves[i].values, voxels);
+            use(i, voxels);
+        }
+    });
+}
+
+// A box that a leaf or tile has in common with the grid's, counted from the latter's first voxel.
+struct Common {
+    glm::ivec3 first, size;
+};
+
+Common common(const glm::ivec3 &first, int edge, const VoxelBox &box) {
+    const glm::ivec3 low = glm::max(first, box.low), high = glm::min(first + (edge - 1), box.high);
+    return {low - box.low, high - low + 1};
+}
+
+bool all_finite(std::span<const float> values) {
+    float sum = 0.0F; // stays 0 unless a value is no number
+    for (const float value : values) {
+        sum += 0.0F * value;
+    }
+    return sum == 0.0F;
+}
+
+// set(index of the first of a row of cells, how many, z and y of the row in the common box).
+template <typename Set>
+void for_each_row(const Common &part, const glm::ivec3 &resolution, const Set &set) {
+    for (int z = 0; z < part.size.z; ++z) {
+        for (int y = 0; y < part.size.y; ++y) {
+            const auto row = static_cast<std::size_t>(part.first.z + z) * static_cast<std::size_t>(resolution.y) +
+                             static_cast<std::size_t>(part.first.y + y);
+            set(row * static_cast<std::size_t>(resolution.x) + static_cast<std::size_t>(part.first.x), y, z);
+        }
+    }
+}
+
+VolumeFile dense(const VdbTree &tree, const VdbGrid &grid) {
+    VolumeFile volume{placed(tree.box, grid), {}};
+    const glm::ivec3 n = volume.resolution;
+    const std::size_t cells =
+        static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z);
+    try {
+        volume.density.assign(cells, tree.background);
+    } catch (const std::bad_alloc &) {
+        refuse_box(tree.box, grid.name, "there is no memory for them");
+    }
+    std::atomic<bool> finite = std::isfinite(tree.background);
+    for (const VdbTile &tile : tree.tiles) {
+        const Common part = common(tile.first, tile.edge, tree.box);
+        for_each_row(part, n, [&](std::size_t at, int, int) {
+            std::fill_n(volume.density.begin() + static_cast<std::ptrdiff_t>(at), part.size.x, tile.value);
+        });
+        finite = finite && std::isfinite(tile.value);
+    }
+    for_each_leaf(
+        tree, grid.numbers, [](std::size_t, auto &here) { return Leaf(here); },
+        [&](std::size_t i, Leaf voxels) {
+            const glm::ivec3 first = tree.leaves[i].first;
+            const Common part = common(first, VdbLeaf::EDGE, tree.box);
+            const glm::ivec3 cut = part.first + tree.box.low - first;
+            for_each_row(part, n, [&](std::size_t at, int y, int z) {
+                const float *from = &voxels[0] + (cut.x * EDGE + cut.y + y) * EDGE + cut.z + z;
+                for (int x = 0; x < part.size.x; ++x) {
+                    volume.density[at + static_cast<std::size_t>(x)] = from[x * EDGE * EDGE];
+                }
+            });
+            if (!all_finite(voxels)) {
+                finite = false;
+            }
+        });
+    if (finite) {
         return volume;
     }
-    volume.density.resize(static_cast<std::size_t>(box.volume()));
-    openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> cells(box, volume.density.data());
-    openvdb::tools::copyToDense(grid, cells);
     const auto wrong =
         std::find_if(volume.density.begin(), volume.density.end(), [](float value) { return !std::isfinite(value); });
     if (wrong != volume.density.end()) {
-        const openvdb::Coord at = cells.offsetToCoord(static_cast<std::size_t>(wrong - volume.density.begin()));
-        throw std::runtime_error("its grid '" + name + "' holds " + std::to_string(*wrong) + " at voxel " +
-                                 at.asVec3i().str());
+        const auto at = static_cast<std::int64_t>(wrong - volume.density.begin());
+        const glm::ivec3 cell(at % n.x, at / n.x % n.y, at / n.x / n.y);
+        throw std::runtime_error("its grid '" + grid.name + "' holds " + std::to_string(*wrong) + " at voxel " +
+                                 text_of(tree.box.low + cell));
     }
     return volume;
 }
 
-openvdb::CoordBBox box_of(openvdb::io::File &file, const openvdb::GridBase &header, const std::string &name) {
-    const auto corner = [&](const char *which) { return header.getMetadata<openvdb::Vec3IMetadata>(which); };
-    const auto low = corner(openvdb::GridBase::META_FILE_BBOX_MIN),
-               high = corner(openvdb::GridBase::META_FILE_BBOX_MAX);
-    if (low && high) {
-        return {openvdb::Coord(low->value()), openvdb::Coord(high->value())};
-    }
-    return voxels_of(file, name)->evalActiveVoxelBoundingBox();
-}
-
-// The part inside a box of what lies at `place`, counted from the box's first voxel.
-CellBlock block_of(const float *values, const glm::vec<3, std::ptrdiff_t> &strides, const openvdb::CoordBBox &place,
-                   const openvdb::CoordBBox &box) {
-    openvdb::CoordBBox inside = place;
-    inside.intersect(box);
-    if (inside.empty()) {
-        return {};
-    }
-    const openvdb::Coord size = inside.dim(), first = inside.min() - box.min(), cut = inside.min() - place.min();
-    return {values + cut.x() * strides.x + cut.y() * strides.y + cut.z() * strides.z,
-            {first.x(), first.y(), first.z()},
-            {size.x(), size.y(), size.z()},
-            strides};
-}
-
-void require_densities(const CellBlock &block, const openvdb::Coord &origin, const std::string &name) {
+void require_densities(const CellBlock &block, const glm::ivec3 &origin, const std::string &name) {
     const bool constant = block.strides == glm::vec<3, std::ptrdiff_t>(0);
     const glm::ivec3 size = constant ? glm::min(block.size, 1) : block.size;
     for (int z = 0; z < size.z; ++z) {
@@ -220,76 +196,90 @@ void require_densities(const CellBlock &block, const openvdb::Coord &origin, con
                 if (value >= 0.0F && value <= 1e30F) {
                     continue;
                 }
-                const glm::ivec3 at = block.first + glm::ivec3(x, y, z);
                 throw std::runtime_error("its grid '" + name + "' holds " + std::to_string(value) + " at voxel " +
-                                         (origin + openvdb::Coord(at.x, at.y, at.z)).asVec3i().str() +
+                                         text_of(origin + block.first + glm::ivec3(x, y, z)) +
                                          (std::isfinite(value) ? ", but a density is in [0, 1e30]" : ""));
             }
         }
     }
 }
 
-VolumeBlocks blocks(const std::shared_ptr<const openvdb::FloatGrid> &grid, const std::string &name) {
-    const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
-    VolumeBlocks volume{placed(box, *grid, name), {}, grid};
-    const openvdb::FloatTree &tree = grid->tree();
-    const auto add = [&](const CellBlock &block) {
-        if (block.size.x > 0) {
-            require_densities(block, box.min(), name);
-            volume.blocks.push_back(block);
-        }
+// The numbers that blocks point into.
+struct Stored {
+    std::vector<VdbTile> tiles;
+    std::unique_ptr<float[]> voxels; // of all leaves
+};
+
+VolumeBlocks blocks(VdbTree tree, const VdbGrid &grid) {
+    VolumeBlocks volume{placed(tree.box, grid), {}, {}};
+    const auto add = [&](const float *values, const Common &part, const glm::vec<3, std::ptrdiff_t> &strides) {
+        volume.blocks.push_back({values, part.first, part.size, strides});
+        require_densities(volume.blocks.back(), tree.box.low, grid.name);
     };
-    if (grid->background() != 0.0F) { // then nothing is sparse
-        const auto all = std::make_shared<const VolumeFile>(dense(*grid, box, name));
+    if (tree.background != 0.0F) { // then nothing is sparse
+        const auto all = std::make_shared<const VolumeFile>(dense(tree, grid));
         const glm::ivec3 n = all->resolution;
-        add({all->density.data(), glm::ivec3(0), n, {1, n.x, std::ptrdiff_t{n.x} * n.y}});
+        if (n.x > 0) {
+            add(all->density.data(), {glm::ivec3(0), n}, {1, n.x, std::ptrdiff_t{n.x} * n.y});
+        }
         volume.owner = all;
         return volume;
     }
-    for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
-        constexpr std::ptrdiff_t EDGE = openvdb::FloatTree::LeafNodeType::DIM; // z runs fastest
-        add(block_of(leaf->buffer().data(), {EDGE * EDGE, EDGE, 1}, leaf->getNodeBoundingBox(), box));
+    const std::size_t leaves = tree.leaves.size();
+    const auto stored = std::make_shared<Stored>();
+    stored->voxels = std::make_unique_for_overwrite<float[]>(leaves * VdbLeaf::VOXELS);
+    const auto voxels_of = [&](std::size_t i) { return stored->voxels.get() + i * VdbLeaf::VOXELS; };
+    for_each_leaf(
+        tree, grid.numbers, [&](std::size_t i, auto &) { return Leaf(voxels_of(i), VdbLeaf::VOXELS); },
+        [](std::size_t, Leaf) {});
+    volume.blocks.reserve(leaves + tree.tiles.size());
+    for (std::size_t i = 0; i < leaves; ++i) {
+        const glm::ivec3 first = tree.leaves[i].first;
+        const Common part = common(first, VdbLeaf::EDGE, tree.box);
+        const glm::ivec3 cut = part.first + tree.box.low - first;
+        add(voxels_of(i) + (cut.x * EDGE + cut.y) * EDGE + cut.z, part, {EDGE * EDGE, EDGE, 1});
     }
-    // Tiles, active or not: each is one number.
-    auto tile = tree.cbeginValueAll();
-    tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
-    for (; tile; ++tile) {
-        if (*tile != 0.0F) {
-            add(block_of(&*tile, {0, 0, 0}, tile.getBoundingBox(), box));
+    stored->tiles = std::move(tree.tiles);
+    for (const VdbTile &tile : stored->tiles) {
+        if (tile.value != 0.0F) {
+            add(&tile.value, common(tile.first, tile.edge, tree.box), {0, 0, 0});
         }
     }
+    volume.owner = stored;
     return volume;
 }
 
-// use() with what it throws told as the file's.
+// use(the grid) with what it throws told as the file's.
 template <typename Use>
 auto read(const std::string &path, const std::string &name, const Use &use) {
     try {
-        return with_file(path, name, use);
+        Chosen chosen(path, name);
+        return use(chosen);
+    } catch (const std::bad_alloc &) {
+        throw std::runtime_error("'" + path + "' cannot be read: there is no memory for it");
     } catch (const std::exception &error) {
-        throw std::runtime_error("'" + path + "' cannot be read: " + error.what());
+        throw std::runtime_error("'" + path + "' cannot be read: " + legible(error.what()));
     }
 }
 
 } // namespace
 
 VolumeFile read_volume(const std::string &path, const std::string &grid) {
-    return read(path, grid, [&](openvdb::io::File &file, const openvdb::GridBase::Ptr &) {
-        const auto voxels = voxels_of(file, grid);
-        return dense(*voxels, voxels->evalActiveVoxelBoundingBox(), grid);
+    return read(path, grid, [](Chosen &chosen) {
+        const VdbTree tree = chosen.tree();
+        return dense(tree, chosen.grid);
     });
 }
 
 VolumeHeader read_volume_header(const std::string &path, const std::string &grid) {
-    return read(path, grid, [&](openvdb::io::File &file, const openvdb::GridBase::Ptr &header) {
-        return placed(box_of(file, *header, grid), *header, grid);
+    return read(path, grid, [](Chosen &chosen) {
+        const auto box = chosen.grid.active ? *chosen.grid.active : chosen.tree().box;
+        return placed(box, chosen.grid);
     });
 }
 
 VolumeBlocks read_volume_blocks(const std::string &path, const std::string &grid) {
-    return read(path, grid, [&](openvdb::io::File &file, const openvdb::GridBase::Ptr &) {
-        return blocks(voxels_of(file, grid), grid);
-    });
+    return read(path, grid, [](Chosen &chosen) { return blocks(chosen.tree(), chosen.grid); });
 }
 
 } // namespace sfumato

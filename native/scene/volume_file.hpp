@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Smoke from .vdb files. The only file that knows OpenVDB.
+// Smoke from .vdb files, as OpenVDB 3 to 13 write them.
 #pragma once
 
 #include "scene/cell_block.hpp"
@@ -29,7 +29,7 @@ struct VolumeBlocks : VolumeHeader {
 };
 
 // Reads one grid of scalars. Throws std::runtime_error, which names the file and the cause: a file that is missing,
-// truncated or no OpenVDB file, a grid that is not there or holds no floats, a box too large for memory.
+// truncated, damaged or no OpenVDB file, a grid that is not there or holds no scalars, a box too large for memory.
 VolumeFile read_volume(const std::string &path, const std::string &grid);
 
 // Of the same grid, and refused likewise, without a look at its voxels where the file tells their box by itself.

@@ -31,6 +31,13 @@ struct Isa {
     static Real pick(xsimd::batch_bool<float> condition, Real a, Real b) { return xsimd::select(condition, a, b); }
     static bool any_lane(xsimd::batch_bool<float> condition) { return xsimd::any(condition); }
 
+    // xsimd 8 has no horizontal minimum yet.
+    static float lowest_lane(Real x) {
+        alignas(64) float lanes[LANES];
+        x.store_aligned(lanes);
+        return *std::min_element(lanes, lanes + LANES);
+    }
+
     // The processor's estimate and one step of Newton's: a few units in the last place, at a quarter of the exact
     // price.
     static Real inversesqrt(Real x) {
@@ -91,11 +98,8 @@ inline Real lane_numbers() {
     return Real::load_aligned(numbers);
 }
 
-// xsimd 8 has no horizontal minimum yet.
 inline float lowest(Real x) {
-    alignas(64) float lanes[LANES];
-    x.store_aligned(lanes);
-    return *std::min_element(lanes, lanes + LANES);
+    return Isa::lowest_lane(x);
 }
 
 inline float highest(Real x) {

@@ -48,6 +48,10 @@ struct OneLane {
         return condition ? a : b;
     }
     static bool any_lane(bool condition) { return condition; }
+    template <class Real>
+    static Real lowest_lane(Real x) {
+        return x;
+    }
 };
 
 } // namespace sfumato::text

@@ -27,3 +27,11 @@ float scattered_by_step(float scattering, float tau, float tau_eye, float tau_li
   float two_sinh_over_tau = 1.0f + x2 * (1.0f / 24.0f) * (1.0f + x2 * (1.0f / 80.0f) * (1.0f + x2 * (1.0f / 168.0f)));
   return scattering * two_sinh_over_tau * exp(-(tau_eye + 0.5f * tau + tau_light));
 }
+
+// The same in each colour.
+vec3 scattered_by_step(float scattering, vec3 tau, vec3 tau_eye, vec3 tau_light)
+{
+  return vec3(scattered_by_step(scattering, tau.x, tau_eye.x, tau_light.x),
+              scattered_by_step(scattering, tau.y, tau_eye.y, tau_light.y),
+              scattered_by_step(scattering, tau.z, tau_eye.z, tau_light.z));
+}

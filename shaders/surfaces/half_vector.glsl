@@ -174,7 +174,7 @@ float from_root(float s, float m, float w)
 #define ONE_RIDGE 0.03f
 
 // There the cosine of three times the angle that tells the roots apart is near -1.
-#define RIDGE_COSINE -0.99f
+#define RIDGE_COSINE (-0.99f)
 
 float ridge_sum(float a0, float a1, float a2, float a3, float sum)
 {

@@ -5,7 +5,7 @@
 //                     and the share of its falloff that arrives past solids and the edges of its cone
 //   clearance_NUMBER  for each brick: negative where smoke may be met, else how many cells are empty around it
 
-float clearance_at_NUMBER(ivec3 brick)
+float clearance_of_brick_NUMBER(ivec3 brick)
 {
   return texelFetch(clearance_NUMBER, clamp(brick, ivec3(0), textureSize(clearance_NUMBER, 0) - 1), 0).x;
 }
@@ -16,7 +16,7 @@ float density_at_NUMBER(vec3 place)
 }
 
 // `place` is in [0, 1]^3; half a cell from the ends, where no smoke is, one light's volume must not blend into the next.
-vec4 light_at_NUMBER(vec3 place, float light, float lights, float cells)
+vec4 light_in_volume_NUMBER(vec3 place, float light, float lights, float cells)
 {
   float z = (clamp(place.z * cells, 0.5f, cells - 0.5f) / cells + light) / lights;
   return textureLod(light_NUMBER, vec3(place.xy, z), 0.0f);

@@ -12,6 +12,7 @@ import numpy as np
 import pictures
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
+from sfumato import log  # type: ignore[attr-defined]
 
 SMALL = (160, 90)
 
@@ -37,6 +38,17 @@ def test_smoke_shows_and_throws_its_shadow() -> None:
     assert darkest < -0.3 * without[..., :3].sum(axis=-1).max(), darkest
     assert direction.z < 0.0
     assert np.isfinite(with_smoke).all()
+
+
+def test_the_panels_tell_the_stages_of_the_last_render() -> None:
+    harness.open_plume()
+    pictures.render(SMALL)
+    names = ["solids", "smoke", "lights", "light maps", "light volumes", "surfaces", "march", "composite"]
+    assert list(log.stages()) == names and min(log.stages().values()) > 0.0
+    for light in [thing for thing in bpy.context.scene.objects if thing.type == "LIGHT"]:
+        bpy.data.objects.remove(light)
+    pictures.render(SMALL)
+    assert list(log.stages()) == ["solids", "smoke", "surfaces", "march", "composite"]
 
 
 def test_frames_differ_and_repeat() -> None:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// shaders/media/medium.glsl and shaders/media/phase.glsl: light scattered once, against closed forms.
+// shaders/media/march.glsl, medium.glsl and phase.glsl: light scattered once, against closed forms.
 #include "reference/reference.hpp"
+#include "text/march_text.hpp"
 #include "text/media_text.hpp"
 
 #include <cmath>
@@ -98,6 +99,91 @@ TEST(HenyeyGreenstein, IsNormalisedAndItsMeanCosineIsG) {
         EXPECT_NEAR(total, 1.0, 1e-5) << "g = " << g;
         EXPECT_NEAR(mean, g, 1e-5) << "g = " << g;
     }
+}
+
+// ---- The whole march, of one lane: uniform cubes of 100 cells, a metre each, in the light of one sun ----
+
+struct Cubes {
+    using Colour = float;
+    using Place = glm::vec3;
+    struct Arriving {
+        float depth, share;
+    };
+    static constexpr int MEDIA = 2;
+
+    int count = 1;
+    float density = 1.0F; // of each, per metre
+    float first = 0.0F;   // where the first begins; the next one begins a metre further
+    float full = 0.0F;    // cells before that are known to be empty
+    int asked = 0;        // how often density was looked up
+
+    [[nodiscard]] int media_count() const { return count; }
+    [[nodiscard]] float begin(int m) const { return first + static_cast<float>(m); }
+    [[nodiscard]] glm::vec3 to_grid(int m, const glm::vec3 &p) const {
+        return 100.0F * glm::vec3(p.x - begin(m), p.y + 0.5F, p.z + 0.5F);
+    }
+    [[nodiscard]] glm::vec3 along_grid(int /*m*/, const glm::vec3 &v) const { return 100.0F * v; }
+    [[nodiscard]] glm::vec3 grid_size(int /*m*/) const { return {100.0F, 100.0F, 100.0F}; }
+    [[nodiscard]] float clearance_at(int /*m*/, const glm::vec3 &cell) const {
+        return cell.x < full ? full - cell.x : -1.0F;
+    }
+    [[nodiscard]] glm::vec3 place_at(int /*m*/, const glm::vec3 &cell) const { return cell; }
+    float density_at(int /*m*/, const glm::vec3 &cell) {
+        ++asked;
+        return cell.x < full ? 0.0F : density;
+    }
+    [[nodiscard]] float longest_step(int /*m*/) const { return 1.0F; }
+    [[nodiscard]] float extinction_of(int /*m*/) const { return 1.0F; }
+    [[nodiscard]] glm::vec3 scattering_of(int m) const { return {1.0F, 0.5F, m == 0 ? 0.0F : 1.0F}; }
+    [[nodiscard]] float anisotropy_of(int /*m*/) const { return 0.0F; }
+    [[nodiscard]] Arriving light_at(int /*m*/, const glm::vec3 & /*place*/, int /*light*/) const {
+        return {std::log(2.0F), 0.5F};
+    }
+    [[nodiscard]] int light_count() const { return 1; }
+    [[nodiscard]] bool is_parallel(int /*light*/) const { return true; }
+    [[nodiscard]] glm::vec3 light_direction(int /*light*/) const { return {0.0F, 0.0F, -1.0F}; }
+    [[nodiscard]] glm::vec3 light_position(int /*light*/) const { return {0.0F, 0.0F, 0.0F}; }
+    [[nodiscard]] float light_size2(int /*light*/) const { return 0.0F; }
+    [[nodiscard]] glm::vec3 light_strength(int /*light*/) const {
+        return glm::vec3(4.0F * 4.0F * std::numbers::pi_v<float>);
+    }
+};
+
+using MarchText = text::MarchText<float, text::OneLane, Cubes>;
+const MarchText::Ray AHEAD{{-3.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, 10.0F};
+
+// Half of half of 4 arrives everywhere: what is scattered is 1 - transmittance.
+TEST(March, OfAUniformCubeIsWhatItTakesFromTheRay) {
+    for (const float density : {0.1F, 1.0F, 8.0F}) {
+        MarchText text{{1, density, 0.25F}};
+        const MarchText::Smoke smoke = text.march(AHEAD, 10.0F);
+        const double sent = 1.0 - std::exp(-double{density});
+        EXPECT_NEAR(smoke.depth, density, 1e-5 * density);
+        EXPECT_NEAR(smoke.radiance.x, sent, 2e-5 * sent);
+        EXPECT_NEAR(smoke.radiance.y, 0.5 * sent, 2e-5 * sent);
+        EXPECT_EQ(smoke.radiance.z, 0.0F);
+        EXPECT_NEAR(text.march(AHEAD, 3.75F).depth, 0.5F * density, 1e-5F * density) << "up to a surface inside";
+        EXPECT_EQ(text.march(AHEAD, 3.0F).depth, 0.0F) << "a surface before it";
+    }
+}
+
+TEST(March, GoesThroughAllMediaInTheOrderOfTheRay) {
+    MarchText text{{2, 1.0F, 0.0F}};
+    const MarchText::Smoke smoke = text.march(AHEAD, 10.0F);
+    const double sent = 1.0 - std::exp(-2.0), behind = std::exp(-1.0) * (1.0 - std::exp(-1.0));
+    EXPECT_NEAR(smoke.depth, 2.0F, 1e-5F);
+    EXPECT_NEAR(smoke.radiance.x, sent, 2e-5);
+    EXPECT_NEAR(smoke.radiance.z, behind, 2e-5) << "only the second one scatters blue";
+}
+
+TEST(March, LeapsOverWhatIsEmptyAndStopsWhereNothingIsSeen) {
+    MarchText empty{{1, 1.0F, 0.0F, 60.0F}};
+    EXPECT_NEAR(empty.march(AHEAD, 10.0F).depth, 0.4F, 1e-5F);
+    EXPECT_EQ(empty.asked, 40) << "a step a cell, where there is smoke";
+    MarchText dense{{1, 100.0F, 0.0F}};
+    const MarchText::Smoke smoke = dense.march(AHEAD, 10.0F);
+    EXPECT_EQ(dense.asked, 12) << "to an optical depth of 12, one a cell";
+    EXPECT_NEAR(smoke.radiance.x, 1.0, 1e-4) << "what lies behind is e^-12 of it";
 }
 
 } // namespace

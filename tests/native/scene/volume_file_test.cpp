@@ -176,8 +176,8 @@ TEST_F(Files, OfOtherTypesAreRefused) {
         return other;
     };
     EXPECT_EQ(refusal(write({named(openvdb::Vec3SGrid::create())})), "its grid 'density' holds vec3s, not floats");
-    EXPECT_EQ(refusal(write({named(openvdb::BoolGrid::create())})), "its grid 'density' holds bool, not floats");
-    EXPECT_EQ(refusal(write({named(openvdb::DoubleGrid::create())})), "its grid 'density' holds double, not floats");
+    EXPECT_EQ(refusal(write({named(openvdb::MaskGrid::create())})), "its grid 'density' holds mask, not floats");
+    EXPECT_EQ(refusal(write({named(openvdb::Vec3IGrid::create())})), "its grid 'density' holds vec3i, not floats");
     const auto level_set = grid();
     level_set->setGridClass(openvdb::GRID_LEVEL_SET);
     EXPECT_EQ(refusal(write({level_set})), "its grid 'density' is a level set, a distance to a surface and no density");

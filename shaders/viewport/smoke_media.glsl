@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What media/march.glsl asks of the media and lights of SmokeView, whose cells are in textures.
+
+#if COLOURS == 1
+#  define Colour float
+#  define OF_COLOURS(v) (v).x
+#  define SHARE_OF(v) (v).y
+#else
+#  define Colour vec3
+#  define OF_COLOURS(v) (v).xyz
+#  define SHARE_OF(v) (v).w
+#endif
+#define Place vec3 // in [0, 1]^3
+
+struct Arriving {
+  Colour depth;
+  float share;
+};
+
+// Loops over what has a constant bound are unrolled: twice as fast.
+#define media_count() MEDIA
+#define light_count() int(view.screen.z)
+
+vec3 transformed(int medium, vec4 place)
+{
+  return vec3(dot(view.media[6 * medium], place), dot(view.media[6 * medium + 1], place),
+              dot(view.media[6 * medium + 2], place));
+}
+
+#define to_grid(medium, point) transformed(medium, vec4(point, 1.0f))
+#define along_grid(medium, direction) transformed(medium, vec4(direction, 0.0f))
+#define grid_size(medium) view.media[6 * (medium) + 3].xyz
+#define clearance_at(medium, cell) clearance_of_brick(medium, ivec3((cell) * view.media[6 * (medium) + 3].w))
+#define place_at(medium, cell) ((cell) / grid_size(medium))
+#define longest_step(medium) view.media[6 * (medium) + 4].w
+#define extinction_of(medium) OF_COLOURS(view.media[6 * (medium) + 4])
+#define scattering_of(medium) view.media[6 * (medium) + 5].xyz
+#define anisotropy_of(medium) view.media[6 * (medium) + 5].w
+
+Arriving light_at(int medium, vec3 place, int light)
+{
+  vec4 volume = light_in_volume(medium, place, float(light), view.screen.z, grid_size(medium).z);
+  Arriving arriving;
+  arriving.depth = OF_COLOURS(volume);
+  arriving.share = SHARE_OF(volume);
+  return arriving;
+}
+
+#define is_parallel(light) (view.lights[3 * (light)].w != 0.0f)
+#define light_direction(light) view.lights[3 * (light)].xyz
+#define light_position(light) view.lights[3 * (light) + 1].xyz
+#define light_size2(light) view.lights[3 * (light) + 1].w
+#define light_strength(light) view.lights[3 * (light) + 2].xyz
