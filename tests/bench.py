@@ -148,6 +148,13 @@ def area_lights() -> tuple[Sequence[Row], list[str]]:
     return rows, remarks
 
 
+def versions() -> tuple[Sequence[Row], list[str]]:
+    """Each kind of lamp and material in each Blender at hand, against that one's Cycles."""
+    from bench_versions import versions as in_all
+
+    return in_all()
+
+
 def heavy(**options: Any) -> tuple[Sequence[Row], list[str]]:
     """Scenes with many triangles, many objects and much smoke, against another commit and against Cycles."""
     from bench_heavy import heavy as heavy_scenes
@@ -165,6 +172,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "heavy": heavy,
     "lightmaps": light_maps,
     "lights": lights,
+    "versions": versions,
 }
 
 

@@ -46,12 +46,15 @@ build_targets() {
     cmake --build "$build" --target "$@"
 }
 
+# place_of NAME RECIPE: where `cached` keeps what is made so.
+place_of() { echo "$cache/$1-$(sha256sum <<<"$2" | head -c 12)"; }
+
 # cached NAME RECIPE COMMAND...: set `cached` to a folder that COMMAND FOLDER has filled, once for all clones: its place
 # is named by the hash of RECIPE. It is made beside its place and moved there when it is complete, so that one that is
 # there is whole; whoever comes while it is made waits.
 cached() {
-    local part place recipe=$2
-    place=$cache/$1-$(sha256sum <<<"$recipe" | head -c 12)
+    local part place
+    place=$(place_of "$1" "$2")
     part=$place.part
     shift 2
     mkdir -p "$cache"

@@ -56,10 +56,13 @@ class Surface:
     alpha: tuple[float, float] = (0.0, 0.0)
     emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     diffuse_roughness: float = -1.0  # Lambert's
+    lossless: bool = False
+    cover: float = 0.0
 
     @property
     def gloss(self) -> tuple[float, ...]:
-        return (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart(), self.index)
+        once = (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart(), self.index)
+        return (*once, float(self.lossless), self.cover)
 
 
 def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
@@ -99,6 +102,8 @@ def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
     if anisotropy > 0.0 and value_of(shader, "Anisotropic Rotation", owner, []) > 0.0:
         notices.append(f"{owner}: 'Anisotropic Rotation' is not followed yet")
     surface.alpha = alphas(value_of(shader, "Roughness", owner, []), anisotropy)
+    surface.lossless = compat.facets_are_lossless(shader)
+    surface.cover = index_of(plain) if compat.gloss_covers() else 0.0
     return surface
 
 
@@ -125,7 +130,9 @@ def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
         roughness = value_of(shader, "Roughness", owner, notices)
         anisotropy = shader.inputs.get("Anisotropy")
         twist = 0.0 if anisotropy is None else float(anisotropy.default_value)
-        return Surface(np.zeros(3), value_of(shader, "Color", owner, notices), alpha=alphas(roughness, twist))
+        gloss = Surface(np.zeros(3), value_of(shader, "Color", owner, notices), alpha=alphas(roughness, twist))
+        gloss.lossless = compat.facets_are_lossless(shader)
+        return gloss
     notices.append(f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour")
     return Surface(np.array(material.diffuse_color[:3]))
 

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import core
+from .. import compat, core
 from . import materials
 from .parts import Parts
 
@@ -119,7 +119,6 @@ def volume_file(volume: Any) -> tuple[str, tuple[int, int, int], NDArray[np.floa
     shape, grid_to_object = core.module().volume_header(path)
     if 0 in shape:
         raise ValueError(f"'{path}' holds no smoke")
-    # To OpenVDB a sample is a point of the lattice. Cycles takes it for the centre of a cell, half a cell further on:
-    # that is where Mantaflow, which writes such files, means it to be.
-    grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, 0.5)
+    # To OpenVDB a sample is a point of the lattice: the header's cells lie around those.
+    grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, compat.sample_place())
     return path, shape, grid_to_object

@@ -179,6 +179,7 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
     const vec3 start = point + surface.geometric_normal * offset;
     const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
     const Real reflectances[3] = {surface.reflectance.x, surface.reflectance.y, surface.reflectance.z};
+    const Real gains[3] = {surface.gain.x, surface.gain.y, surface.gain.z};
     ShadingPacket packed;
     pack(surface, start, ray.direction, packed);
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
@@ -210,7 +211,7 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
             if (radiance) {
                 const Real edge = surface.edge * (1.0F - reflectances[c]);
                 const Real dull = albedos[c] * diffuse * rim * light.strength[c];
-                const Real gloss = (reflectances[c] * plain + edge * fresnel) * light.strength[c];
+                const Real gloss = (reflectances[c] * plain + edge * fresnel) * gains[c] * light.strength[c];
                 const Real sent = dull * visible + gloss * mirrored;
                 out.unshadowed = out.unshadowed + (dull + gloss) * (1.0F / 3.0F);
                 out.open[c] = out.open[c] + sent;

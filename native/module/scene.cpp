@@ -235,7 +235,9 @@ length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 8
 from straight on (3), 1 where all light is reflected at grazing angles and 0 where it is no more than straight on, GGX's
 alpha along the tangent and across it, both 0 for no gloss, and 1 where masking and shadowing are independent (Smith's
 two G1) and 0 where they go by height (Heitz 2014, eq 99); last, the index of refraction of microfacet_polygon, by which
-reflectance rises between straight on and grazing. corner_tangents (m, 3, 3). emission (k, 3), the radiance in
+reflectance rises between straight on and grazing. Or gloss (k, 10): then 1 where light that facets send to each other is
+not lost (Kulla and Conty 2017), else 0; and the index of refraction of the layer that takes its share before light comes
+to what is diffuse, 0 for none. corner_tangents (m, 3, 3). emission (k, 3), the radiance in
 W/(m^2 sr) that the surface sends to the eye by itself; what it lights, add_polygon does.
 diffuse_roughness (k,), in [0, 1] that of Burley's diffuse surfaces (2012), -1 for Lambert's, which all are without it.
 Raises ValueError for wrong shapes, indices out of range and values that are not finite or not in range.
@@ -245,7 +247,7 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
         .def("add_instances", &add_instances, py::arg("mesh"), py::arg("to_world"), py::arg("albedo"),
              py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse_roughness") = py::none(),
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
-world. albedo (k, 3), gloss (k, 8), emission (k, 3) and diffuse_roughness (k,) are those of add_mesh, a row for each
+world. albedo (k, 3), gloss (k, 8 or 10), emission (k, 3) and diffuse_roughness (k,) are those of add_mesh, a row for each
 material that the mesh names. Raises ValueError as add_mesh does, and for too few rows.
 
 >>> import numpy as np

@@ -21,22 +21,28 @@ using namespace arguments;
 
 constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // of one grid: the lanes' indices have 32 bits
 
-// Rows of seven numbers in [0, 1] and an index of refraction.
+// Rows of seven numbers in [0, 1] and an index of refraction; and where they go on, of one more of each.
 std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
-    constexpr py::ssize_t WIDTH = 8;
-    require_shape(array, {count, WIDTH}, "gloss");
+    constexpr py::ssize_t PLAIN = 8, LAYERED = 10;
+    const py::ssize_t width = array.ndim() == 2 && array.shape(1) == LAYERED ? LAYERED : PLAIN;
+    require_shape(array, {count, width}, "gloss");
     std::vector<Gloss> out;
-    for (py::ssize_t first = 0; first < array.size(); first += WIDTH) {
+    for (py::ssize_t first = 0; first < array.size(); first += width) {
         const float *row = array.data() + first;
-        for (py::ssize_t k = 0; k < WIDTH; ++k) {
-            const bool last = k == WIDTH - 1;
-            if (last ? !is_index(row[k]) : !(row[k] >= 0.0F && row[k] <= 1.0F)) {
+        for (py::ssize_t k = 0; k < width; ++k) {
+            const bool index = k == PLAIN - 1 || k == LAYERED - 1;
+            if (index ? !is_index(row[k]) : !(row[k] >= 0.0F && row[k] <= 1.0F)) {
                 throw py::value_error("gloss holds " + text(row[k]) + " at flat index " + text(first + k) + "; " +
-                                      (last ? "an index of refraction must be " + std::string(INDEX_RANGE)
-                                            : "every value but the index of refraction must lie between 0 and 1"));
+                                      (index ? "an index of refraction must be " + std::string(INDEX_RANGE)
+                                             : "every value but an index of refraction must lie between 0 and 1"));
             }
         }
-        out.push_back({{row[0], row[1], row[2]}, row[3], row[7], {row[4], row[5]}, row[6] > 0.0F});
+        Gloss gloss{{row[0], row[1], row[2]}, row[3], row[7], {row[4], row[5]}, row[6] > 0.0F};
+        if (width == LAYERED) {
+            gloss.lossless = row[PLAIN] > 0.0F;
+            gloss.cover = row[LAYERED - 1];
+        }
+        out.push_back(gloss);
     }
     return out;
 }
@@ -81,8 +87,10 @@ py::bytes content_hash(const py::args &arrays) {
         }
         const std::string head = std::string(py::str(array.dtype())) + shape_of(array);
         XXH3_128bits_update(state, head.data(), head.size());
+        // By Python's protocol: array.nbytes() is 0 where pybind11 before 2.12 meets NumPy 2, without an error.
+        const py::buffer_info bytes = array.request();
         const py::gil_scoped_release unlocked;
-        XXH3_128bits_update(state, array.data(), static_cast<std::size_t>(array.nbytes()));
+        XXH3_128bits_update(state, bytes.ptr, static_cast<std::size_t>(bytes.size * bytes.itemsize));
     }
     XXH128_canonical_t digest;
     XXH128_canonicalFromHash(&digest, XXH3_128bits_digest(state));

@@ -242,8 +242,9 @@ class Scene:
         diffuse_roughness: ArrayLike | None = None,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
-        world. albedo (k, 3), gloss (k, 8), emission (k, 3) and diffuse_roughness (k,) are those of add_mesh, a
-        row for each material that the mesh names. Raises ValueError as add_mesh does, and for too few rows.
+        world. albedo (k, 3), gloss (k, 8 or 10), emission (k, 3) and diffuse_roughness (k,) are those of
+        add_mesh, a row for each material that the mesh names. Raises ValueError as add_mesh does, and for too few
+        rows.
         """
     def add_medium(
         self,

@@ -27,6 +27,11 @@ struct Gloss {
     // A habit of older renderers: what masks and what shadows a facet know nothing of each other (the product of
     // Smith's two G1), where they go by its height (Heitz 2014, eq 99).
     bool apart = false;
+    // Whether what facets send to each other leaves them in the end, as far as it is not absorbed.
+    bool lossless = false;
+    // The index of refraction of the layer that reflects before light comes to what is diffuse, which gets only what is
+    // left; 0: what is diffuse gets all.
+    float cover = 0.0F;
 };
 
 // Triangles in a space of their own, which any number of objects may share. Once shared it never changes: its address

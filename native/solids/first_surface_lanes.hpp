@@ -23,6 +23,7 @@ struct Surface {
     Plane tangents;      // x the direction of alpha_x; set where glossy
     vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
     Real edge, alpha_x, alpha_y, apart, index;
+    vec3 gain{1.0F, 1.0F, 1.0F}; // of the gloss, by what facets send to each other
     vec3 emission;
     Real diffuse_roughness;
 };
@@ -99,6 +100,17 @@ inline Surface first_surface(const SurfaceView &view, const text::CameraText<Rea
     surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
     if (surface.glossy) {
         surface.tangents = plane_across(surface.normal);
+        // Curves over the cosine to the eye.
+        constexpr int STEPS = CURVE_POINTS - 1;
+        const Real place = clamp(-dot(surface.normal, ray.direction), 0.0F, 1.0F) * static_cast<float>(STEPS);
+        const Real step = min(xsimd::floor(place), static_cast<float>(STEPS - 1)), beyond = place - step;
+        const Index at = material + xsimd::to_int(step);
+        const auto curve = [&](int first) {
+            const Real here = gather(view.properties + first, at), next = gather(view.properties + first + 1, at);
+            return here + (next - here) * beyond;
+        };
+        surface.albedo = surface.albedo * curve(18);
+        surface.gain = vec3(property(15), property(16), property(17)) * curve(18 + CURVE_POINTS) + surface.gain;
         if (view.tangents) {
             const vec3 tangent = loaded(tangents);
             const vec3 along = tangent - surface.normal * dot(tangent, surface.normal);

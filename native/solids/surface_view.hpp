@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "lights/gloss_curves.hpp"
 #include "solids/embree.hpp"
 
 #include <cstdint>
 
 namespace sfumato {
 
-constexpr int MATERIAL_FLOATS = 15;
+constexpr int MATERIAL_FLOATS = 18 + 2 * CURVE_POINTS;
 
 // Views own nothing. One place of a shape: its arrays, as scene.hpp has them, null where it has none, and what takes
 // its normals and tangents to the world, column by column.
@@ -28,7 +29,7 @@ struct SurfaceView {
     bool instanced = false;            // whether any place is an instance to Embree
     const PlaceView *places = nullptr; // by Embree's number of the instance, or else of the geometry
     // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, index, emission,
-    // diffuse roughness (negative for none)
+    // diffuse roughness (negative for none); and of GlossCurves again, kept, lost
     const float *properties = nullptr;
     bool tangents = false; // whether any shape has tangents
 };

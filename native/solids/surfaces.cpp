@@ -61,7 +61,7 @@ PlaceView view_of(const Shape &shape, const glm::mat4 &to_world, std::int32_t fi
     return view;
 }
 
-void append_rows(const Materials &materials, std::vector<float> &properties) {
+void append_rows(const Materials &materials, Solids &solids, std::vector<float> &properties) {
     for (std::size_t i = 0; i < materials.albedo.size(); ++i) {
         const glm::vec3 &albedo = materials.albedo[i];
         const Gloss gloss = i < materials.gloss.size() ? materials.gloss[i] : Gloss{};
@@ -71,6 +71,10 @@ void append_rows(const Materials &materials, std::vector<float> &properties) {
         properties.insert(properties.end(),
                           {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge, gloss.alpha[0], gloss.alpha[1],
                            gloss.apart ? 1.0F : 0.0F, gloss.index, emission.x, emission.y, emission.z, rough});
+        const GlossCurves &curves = *solids.curves(gloss);
+        properties.insert(properties.end(), &curves.again.x, &curves.again.x + 3);
+        properties.insert(properties.end(), curves.kept.begin(), curves.kept.end());
+        properties.insert(properties.end(), curves.lost.begin(), curves.lost.end());
     }
 }
 
@@ -184,7 +188,15 @@ void Solids::attach(const Instances &mesh, Places &places, unsigned &number) {
     }
 }
 
+std::shared_ptr<const GlossCurves> Solids::curves(const Gloss &gloss) {
+    Key key;
+    key.numbers(std::span(&gloss.reflectance.x, 3)).numbers(std::span<const float>(gloss.alpha));
+    key.number(gloss.edge, gloss.index, gloss.cover, gloss.lossless);
+    return curves_.get(key, [&] { return gloss_curves(gloss); });
+}
+
 void Solids::end_round() {
+    curves_.end_round();
     places_.end_round();
     solids_.end_round();
 }
@@ -198,7 +210,7 @@ Surfaces::Surfaces(std::span<const Instances> meshes, Solids &solids) : places_(
             continue;
         }
         const auto first_material = static_cast<std::int32_t>(properties_.size() / MATERIAL_FLOATS);
-        append_rows(mesh.materials, properties_);
+        append_rows(mesh.materials, solids, properties_);
         tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
         for (const glm::mat4 &to_world : mesh.to_world) {
             views_.push_back(view_of(*mesh.shape, to_world, first_material));

@@ -2,6 +2,7 @@
 // The meshes of a scene as Embree scenes, one for each shape and one of all its places, with what shading reads.
 #pragma once
 
+#include "lights/gloss_curves.hpp"
 #include "scene/kept.hpp"
 #include "solids/surface_view.hpp"
 
@@ -46,11 +47,12 @@ struct Places {
     bool instanced = false;
 };
 
-// What was made of shapes before.
+// What was made of shapes and of gloss before.
 class Solids {
 public:
     explicit Solids(int threads = 0); // of Embree's own work; 0: as many as there are
     std::shared_ptr<const Places> places(std::span<const Instances> meshes); // null where there are no triangles
+    std::shared_ptr<const GlossCurves> curves(const Gloss &gloss);
     void end_round();
     // Ever.
     [[nodiscard]] std::size_t made() const { return solids_.made(); }
@@ -64,6 +66,7 @@ private:
     int threads_;
     Kept<Solid> solids_;
     Kept<Places> places_;
+    Kept<GlossCurves> curves_;
 };
 
 // All meshes of a scene.

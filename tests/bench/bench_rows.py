@@ -49,6 +49,13 @@ class LightRow(Row):
     true_error: float  # without the golden's noise, which is independent of the rival's
 
 
+class VersionRow(Row):
+    """One lamp or material in one Blender: `error` is Sfumato's mean radiance over that of this Blender's Cycles, less 1."""
+
+    cycles: float  # its radiance
+    noise: float  # relative to that
+
+
 class CostRow(Row):
     """Seconds of light map and lit cells."""
 

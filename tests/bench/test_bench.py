@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -14,6 +15,7 @@ import pytest
 
 from bench import growth, light_remarks, seconds_at_error, table
 from bench_rows import CostRow, LightRow, RayRow, Row
+from bench_versions import changes, rows_of, worst
 from blender_run import ROOT, run_script
 
 PLUME = ROOT / "blend_samples" / "plume.blend"
@@ -199,3 +201,27 @@ def test_an_interrupted_benchmark_ends_blender_too(tmp_path: Path) -> None:
             return
         time.sleep(0.1)
     raise AssertionError("Blender is still there")
+
+
+def printed(case: str, method: str, error: float, cycles: float = 1.0, noise: float = 0.0) -> str:
+    row = {"case": case, "method": method, "error": error, "cycles": cycles, "noise": noise, "seconds": 0.1}
+    return f"Blender says something\nROW {json.dumps(row)}\nROWS are no rows\n"
+
+
+def test_rows_of_versions_are_found_in_what_tests_print() -> None:
+    rows = rows_of(printed("sun", "3.4.1", 0.01) + printed("sun", "4.5.15", 0.001) + printed("sun", "4.5.15", -0.02))
+    assert [(row["case"], row["method"], row["error"]) for row in rows] == [
+        ("sun", "3.4.1", 0.01),
+        ("sun", "4.5.15", -0.02),
+    ]
+    assert worst(rows) == ["3.4.1: 1 cases, the worst sun, +1.00%", "4.5.15: 1 cases, the worst sun, -2.00%"]
+
+
+def test_a_change_of_cycles_is_one_beyond_its_noise() -> None:
+    lines = [
+        printed("sun", "3.4.1", 0.0, 1.0),
+        printed("sun", "4.5.15", 0.0, 1.05),
+        printed("sun", "5.0.1", 0.0, 1.051),
+    ]
+    lines += [printed("spot", "3.4.1", 0.0, 2.0, 0.01), printed("spot", "4.5.15", 0.0, 2.05, 0.01)]
+    assert changes(rows_of("".join(lines))) == ["sun: Cycles 4.5.15 shows 1.050 of what 3.4.1 does"]

@@ -6,6 +6,8 @@ a virtual screen. By hand, after tests/run has built the add-on, one file is
 
     tests/blender/start background FILE        tests/blender/start interface FILE
 
+tests/official runs background/*.py in the Blenders of PyPI, which are Python modules.
+
 Tests run in the order of the file, each from Blender's factory scene. In the interface a test may be a generator: at
 each `yield` Blender redraws every editor and handles its events before the test goes on; at `yield seconds` it does as
 it likes for that long.
@@ -21,6 +23,7 @@ from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from types import GeneratorType
 
+import addon_utils
 import bpy
 from mathutils import Vector
 
@@ -28,9 +31,13 @@ ROOT = Path(__file__).resolve().parents[2]
 SAMPLE = ROOT / "blend_samples" / "plume.blend"
 CACHE = ROOT / "blend_samples" / "plume_cache"
 
+# Blender as a Python module has no file of its own, and no command line; there the add-on is an extension.
+WHEEL = not bpy.app.binary_path
+ADDON = "bl_ext.user_default.sfumato" if WHEEL else "sfumato"
+
 # Before Blender 5.0 Mantaflow adds modules to a running Python, and from 3.12 on Python answers that with abort().
-# Blender's own builds never pair the two; Debian 13 does.
-MANTAFLOW_ABORTS = bpy.app.version < (5, 0) and sys.version_info >= (3, 12)
+# Blender's own builds never pair the two; Debian 13 does. In a wheel Mantaflow cannot load its caches, and aborts at exit.
+MANTAFLOW_ABORTS = WHEEL or (bpy.app.version < (5, 0) and sys.version_info >= (3, 12))
 
 Test = Callable[[], "Generator[float | None, None, None] | None"]
 
@@ -61,6 +68,32 @@ def drive(steps: Iterator[None]) -> None:
         return None
 
     bpy.app.timers.register(tick, first_interval=0.5, persistent=True)
+
+
+def enable() -> None:
+    """Switch the add-on on, as after every reading of factory settings; its modules answer under `sfumato` in any case."""
+    if addon_utils.enable(ADDON, default_set=True) is None:
+        raise RuntimeError(f"{ADDON} cannot be enabled")
+    for name, module in list(sys.modules.items()):
+        if name.startswith(f"{ADDON}."):
+            sys.modules["sfumato" + name.removeprefix(ADDON)] = module
+
+
+def command(script: str | Path, blend: Path | None = None) -> list[str]:
+    """What runs a script, a file or text that begins with `import`, in another process of this Blender."""
+    if WHEEL:
+        start = [sys.executable, str(Path(__file__).parent / "wheel" / "start.py"), str(script)]
+        return start if blend is None else [*start, str(blend)]
+    start = [bpy.app.binary_path, "-b", "--factory-startup", "--python-use-system-env", "--python-exit-code", "3"]
+    file = [] if blend is None else [str(blend)]
+    return [
+        *start,
+        *file,
+        "--addons",
+        "sfumato",
+        "--python-expr" if str(script).startswith("import") else "--python",
+        str(script),
+    ]
 
 
 def open_plume(frame: int = 25) -> bpy.types.Object:

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
+import time
 from pathlib import Path
 
 import bpy
@@ -35,3 +37,24 @@ def render(size: tuple[int, int] | None = None, engine: str = "SFUMATO") -> NDAr
         settings.filepath = str(Path(folder) / "frame.exr")
         bpy.ops.render.render(write_still=True)
         return read(Path(settings.filepath))
+
+
+def beside_cycles(case: str, size: tuple[int, int], samples: int) -> float:
+    """The mean radiance of the scene in red, in light that nothing passes on, over that in the Cycles of this Blender;
+    printed as a row for bench.py, too. Raises AssertionError where Cycles shows nothing, or its noise is above .5 %."""
+    cycles = bpy.context.scene.cycles
+    cycles.max_bounces, cycles.samples = 0, samples
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    started = time.perf_counter()
+    ours = float(render(size)[..., 0].mean())
+    seconds = time.perf_counter() - started
+    theirs = []
+    for cycles.seed in (1, 2):
+        theirs.append(float(render(size, "CYCLES")[..., 0].mean()))
+    mean = sum(theirs) / 2.0
+    assert mean > 0.0, case
+    noise = abs(theirs[0] - theirs[1]) / 2.0 / mean
+    row = {"case": case, "method": bpy.app.version_string.split()[0], "error": ours / mean - 1.0}
+    print("ROW", json.dumps({**row, "cycles": mean, "noise": noise, "seconds": seconds}), flush=True)
+    assert noise < 0.005, (case, noise)
+    return ours / mean

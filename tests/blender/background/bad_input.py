@@ -11,7 +11,7 @@ import bpy
 import harness
 import numpy as np
 import pictures
-from sfumato import log  # type: ignore[attr-defined]
+from sfumato import core, log  # type: ignore[attr-defined]
 from sfumato.export import smoke
 
 TINY = (32, 18)
@@ -236,11 +236,11 @@ def test_missing_native_module() -> None:
         "print('explained')\n"
     )
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "addons" / "sfumato"
-        shutil.copytree(harness.ROOT / "build" / "addon" / "sfumato", copy, ignore=shutil.ignore_patterns("*.so"))
-        environment = {**os.environ, "BLENDER_USER_SCRIPTS": folder, "PYTHONDONTWRITEBYTECODE": "1"}
-        command = [bpy.app.binary_path, "-b", "--factory-startup", "--python-use-system-env", "--addons", "sfumato"]
-        command += ["--python-exit-code", "3", "--python-expr", script]
+        copy = Path(folder) / ("user_default" if harness.WHEEL else "addons") / "sfumato"
+        shutil.copytree(Path(core.__file__).parent, copy, ignore=shutil.ignore_patterns("*.so"))
+        place = {"BLENDER_USER_EXTENSIONS" if harness.WHEEL else "BLENDER_USER_SCRIPTS": folder}
+        environment = {**os.environ, **place, "PYTHONDONTWRITEBYTECODE": "1"}
+        command = harness.command(script)
         done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
         assert "explained" in done.stdout, done.stdout + done.stderr  # the refused render sets the exit status
 

@@ -44,7 +44,7 @@ def add(data: bpy.types.ID, location: tuple[float, float, float]) -> bpy.types.O
 def arrange(height: float, **values: object) -> None:
     """A lamp beyond the floor, and a camera as low as the lamp, 4 m from where it sees it reflected."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.preferences.addon_enable(module="sfumato")
+    harness.enable()
     floor(**values)
     scene = bpy.context.scene
     light = bpy.data.lights.new("Lamp", "AREA")

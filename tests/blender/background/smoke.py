@@ -6,7 +6,7 @@ import harness
 
 
 def test_addon_is_enabled() -> None:
-    assert addon_utils.check("sfumato")[1]
+    assert addon_utils.check(harness.ADDON)[1]
 
 
 harness.main()

@@ -21,7 +21,7 @@ from sfumato.export import scene
 from sfumato.view import overlay, painter, refinement
 
 Steps = Iterator["float | None"]
-# As in viewport.py, between the GPU and the CPU: half floats, and weights of 8 bits on hardware.
+# As in screen.py, between the GPU and the CPU: half floats, and weights of 8 bits on hardware.
 TOLERANCE, LARGEST = 1e-3, 1e-2
 PLATE = Vector((3.0, 1.0, 1.0))
 

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lights/gloss_curves.hpp"
+
+#include "text/microfacets_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace sfumato {
+namespace {
+
+using Text = text::MicrofacetsText<double>;
+using dvec3 = glm::dvec3;
+
+// Of light from all sides: what is reflected for F = 1, and weighted by Fresnel's share.
+struct Albedo {
+    double plain = 0.0, fresnel = 0.0;
+};
+
+// The mean over the facets that the eye sees (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps",
+// 2023), at the middles of equal parts of the cap; both halves of it are alike.
+Albedo albedo(double alpha, double index, double cosine) {
+    constexpr int RINGS = 24, SPOKES = 12;
+    const dvec3 view(std::sqrt(std::max(1.0 - cosine * cosine, 0.0)), 0.0, cosine);
+    Text::Microfacets m = Text().microfacets(BRDF_GGX, view, alpha, alpha);
+    m.index = index;
+    const dvec3 seen = Text().unit(Text().times(m.rough, m.view));
+    Albedo sum;
+    for (int ring = 0; ring < RINGS; ++ring) {
+        const double z = (1.0 - (ring + 0.5) / RINGS) * (1.0 + seen.z) - seen.z;
+        const double across = std::sqrt(std::max(1.0 - z * z, 0.0));
+        for (int spoke = 0; spoke < SPOKES; ++spoke) {
+            const double turn = std::numbers::pi * (spoke + 0.5) / SPOKES;
+            const dvec3 cap(across * std::cos(turn) + seen.x, across * std::sin(turn), z + seen.z);
+            const dvec3 facet = Text().times(m.rough, cap);
+            const Text::Reflection one = Text().masking_at(m, facet, glm::dot(m.view, facet));
+            sum.plain += one.plain;
+            sum.fresnel += one.fresnel;
+        }
+    }
+    // masking_at gives G2 / n.v, and those seen have been divided by G1 already.
+    const double each = m.view_reach / (RINGS * SPOKES);
+    return {sum.plain * each, sum.fresnel * each};
+}
+
+// The mean over the hemisphere of a function of the cosine to the normal, weighted by that.
+template <typename Function>
+double mean(const Function &function, int steps) {
+    double sum = 0.0;
+    for (int k = 0; k < steps; ++k) {
+        const double cosine = (k + 0.5) / steps;
+        sum += 2.0 * cosine * function(cosine) / steps;
+    }
+    return sum;
+}
+
+// Light that leaves after further reflections, for each unit that the first one lost, of which all could leave
+// (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017): by the means of Fresnel's reflectance
+// and of what is reflected for F = 1.
+double sent_again(double reflectance, double plain) {
+    return reflectance * plain / (1.0 - reflectance * (1.0 - plain));
+}
+
+} // namespace
+
+GlossCurves gloss_curves(const Gloss &gloss) {
+    GlossCurves out;
+    out.kept.fill(1.0F);
+    const bool covers = gloss.cover > 0.0F;
+    const double alpha = std::sqrt(static_cast<double>(gloss.alpha[0]) * static_cast<double>(gloss.alpha[1]));
+    if (alpha <= 0.0 || (!covers && !gloss.lossless)) {
+        return out;
+    }
+    std::array<Albedo, CURVE_POINTS> at;
+    for (int k = 0; k < CURVE_POINTS; ++k) {
+        at[k] = albedo(alpha, gloss.cover, static_cast<double>(k) / (CURVE_POINTS - 1));
+        out.lost[k] = static_cast<float>(1.0 / at[k].plain - 1.0);
+    }
+    const double plain = mean(
+        [&](double cosine) {
+            const double place = cosine * (CURVE_POINTS - 1);
+            const int k = std::min(static_cast<int>(place), CURVE_POINTS - 2);
+            return std::lerp(at[k].plain, at[k + 1].plain, place - k);
+        },
+        64);
+    const auto mean_share = [](double index) {
+        return mean([index](double cosine) { return Text().fresnel_share(cosine, index); }, 64);
+    };
+    if (gloss.lossless) {
+        const double share = gloss.edge * mean_share(gloss.index);
+        for (int c = 0; c < 3; ++c) {
+            const double f0 = gloss.reflectance[c];
+            out.again[c] = static_cast<float>(sent_again(f0 + (1.0 - f0) * share, plain));
+        }
+    }
+    if (covers) {
+        const double root = (gloss.cover - 1.0) / (gloss.cover + 1.0), f0 = root * root;
+        const double again = sent_again(f0 + (1.0 - f0) * mean_share(gloss.cover), plain);
+        for (int k = 0; k < CURVE_POINTS; ++k) {
+            const double reflected = f0 + (1.0 - f0) * at[k].fresnel / at[k].plain; // if nothing were lost
+            const double once = at[k].plain, more = again * (1.0 - once);
+            out.kept[k] = static_cast<float>(1.0 - reflected * (gloss.lossless ? once + more : 1.0));
+        }
+    }
+    return out;
+}
+
+} // namespace sfumato

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The smoke as the GPU draws it is the picture of the CPU. It takes no window: tests/official runs it where Blender can
+draw without one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import harness
+import numpy as np
+import screen
+import sfumato
+from mathutils import Matrix
+from numpy.typing import ArrayLike
+from screen import assert_same
+from sfumato.view import painter
+
+SIZE = (320, 180)
+
+
+def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True) -> Any:
+    """Two puffs of noise, with clear air between, in front of the sky and over a floor; a table stands in the upper.
+    With lamps, a wide sun, a spot and an area light too, and a second body of smoke that overlaps the first."""
+    noise = np.random.default_rng(7).random((20, 24, 28), dtype=np.float32)
+    z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in noise.shape), indexing="ij")
+    puffs = [np.sqrt((x - s * 0.6) ** 2 + (y - s * 0.6) ** 2 + (z - s * 0.5) ** 2) for s in (-1.0, 1.0)]
+    density = 2.0 * np.maximum(0.0, 0.45 - np.minimum(*puffs)) * noise
+    grid_to_world = np.diag([0.1, 0.1, 0.12, 1.0])
+    grid_to_world[:3, 3] = -1.4, -1.2, 0.2
+    made = sfumato.Scene()
+    scattering = (8.0, 12.0, 18.0) if coloured else (12.0, 12.0, 12.0)
+    if smoke:
+        made.add_medium(density, grid_to_world, scattering, absorption=(1.0, 1.0, 1.0), anisotropy=0.4)
+    made.add_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
+    made.set_background((0.3, 0.4, 0.6))
+    walls: tuple[tuple[ArrayLike, tuple[int, int, int]], ...] = (
+        ([(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)], (0, 0, 1)),
+        ([(0, 0, 1.9), (1.4, 0, 1.9), (1.4, 1.2, 1.9), (0, 1.2, 1.9)], (0, 0, 1)),
+    )
+    for corners, normal in walls:
+        made.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], [[normal] * 3] * 2, [0, 0], [(0.7, 0.6, 0.5)])
+    if lamps:
+        made.add_sun((-0.2, 0.6, -1.0), (2.0, 2.0, 3.0), angle=0.3)
+        made.add_point((1.5, -1.0, 3.0), (9.0, 5.0, 3.0), direction=(-0.4, 0.4, -1.0), cone=1.0, blend=0.4)
+        made.add_area((-2.0, 0.5, 2.5), (0.4, 0.0, 0.4), (0.0, 0.5, 0.0), (6.0, 8.0, 9.0), spread=2.5)
+        grid_to_world[:3, 3] = 0.2, -0.2, 1.4
+        made.add_medium(density[::2, ::-1], grid_to_world, scattering, absorption=(1.0, 1.0, 1.0))
+    return sfumato.Frame(made, coefficients=15, light_samples=4)
+
+
+def look(perspective: bool, **kind: bool) -> painter.Look:
+    """From beside the cloud, with floor and sky in the picture."""
+    near, far = 0.1, 50.0
+    if perspective:
+        projection = Matrix(((1.5, 0, 0, 0), (0, 2.7, 0, 0),
+                             (0, 0, (far + near) / (near - far), 2 * far * near / (near - far)), (0, 0, -1, 0)))  # fmt: skip
+    else:
+        projection = Matrix.Diagonal((0.3, 0.55, 2.0 / (near - far), 1.0))
+        projection[2][3] = (far + near) / (near - far)
+    eye = Matrix.Translation((3.0, -4.5, 3.0)) @ Matrix.Rotation(0.6, 4, "Z") @ Matrix.Rotation(1.3, 4, "X")
+    values = tuple(value for row in projection @ eye.inverted() for value in row)
+    return painter.Look(values, SIZE, **kind)
+
+
+def test_gpu_and_cpu_make_the_same_picture() -> None:
+    for coloured, lamps in ((False, False), (True, False), (False, True), (True, True)):
+        frame = synthetic_frame(coloured, lamps)
+        for perspective in (True, False):
+            seen = look(perspective)
+            cpu = frame.render(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, edge_samples=1)
+            picture = painter.Painter().picture("test", frame, seen)
+            gpu = screen.read(picture.buffer, 0, SIZE)
+            assert (cpu[..., 3] < 1.0).any() and (cpu[..., 3] == 1.0).any(), "the picture lacks sky or floor"
+            name = f"{'coloured' if coloured else 'grey'}{', lamps' if lamps else ''}, "
+            name += "perspective" if perspective else "orthographic"
+            assert_same(name, gpu, cpu)
+
+
+def test_overlay_is_the_picture_taken_apart() -> None:
+    """Transmittance times the surfaces, plus radiance, is the picture again: where the sun alone lights a surface, the
+    overlay's share of shadow is all of it."""
+    for coloured in (False, True):
+        frame = synthetic_frame(coloured)
+        seen = look(True, overlay=True, solids_shade=True)
+        camera = sfumato.Camera(np.reshape(seen.matrix, (4, 4)))
+        picture = painter.Painter().picture("test", frame, seen)
+        radiance, transmittance = (screen.read(picture.buffer, slot, SIZE) for slot in (0, 1))
+        surfaces = synthetic_frame(coloured, smoke=False).surfaces(camera, *SIZE)
+        cpu = frame.render(camera, *SIZE, edge_samples=1)
+        sky = transmittance[..., 3] == 0.0
+        rebuilt = radiance[..., :3] + transmittance[..., :3] * surfaces[..., :3]
+        assert_same("before the sky", rebuilt[sky], cpu[..., :3][sky])
+        # A surface keeps the light that is not the sun's.
+        assert (rebuilt[~sky] >= cpu[..., :3][~sky] - 4e-3).all()
+        assert (rebuilt[~sky] > cpu[..., :3][~sky] + 0.05).any()
+
+
+harness.main()
