@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -146,30 +146,60 @@ def surfaces(thing: Any, notices: list[str]) -> list[Surface] | None:
     return [surface or Surface(np.zeros(3)) for surface in found]
 
 
-def cross_sections(thing: Any, notices: list[str]) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-    """Scattering and absorption per metre and unit density, and anisotropy: as Cycles reads a Principled Volume."""
-    for slot in thing.material_slots:
-        output = active_output(slot.material)
+@dataclass
+class Smoke:
+    """What a material makes of smoke, per metre and unit density, and the grid that it takes for its density."""
+
+    scattering: NDArray[np.float64]
+    absorption: NDArray[np.float64]
+    anisotropy: float = 0.0
+    attribute: str = "density"
+
+    @property
+    def extinction(self) -> NDArray[np.float64]:
+        return self.scattering + self.absorption
+
+    def divided_by(self, length: float) -> Smoke:
+        return replace(self, scattering=self.scattering / length, absorption=self.absorption / length)
+
+
+def smoke_of(thing: Any, notices: list[str]) -> Smoke | None:
+    """How an object's smoke looks, as Cycles reads a Principled Volume; None where Cycles shows nothing."""
+    found = [slot.material for slot in thing.material_slots if slot.material is not None]
+    if thing.type == "VOLUME":
+        if not found:
+            return Smoke(np.full(3, 0.5), np.full(3, 0.5))  # a Principled Volume as it comes
+        found = found[:1]
+    for material in found:
+        output = active_output(material)
         node = linked_node(output, "Volume") if output is not None else None
-        if node is None:
+        if node is None or node.mute:
             continue
-        if node.type != "PRINCIPLED_VOLUME":
-            notices.append(f"{thing.name}: its volume shader is {node.type.lower()}; only Principled Volume is shown")
-            continue
-        name = thing.name
-        attribute = value_of(node, "Density Attribute", name, notices)
-        if attribute != "density":
-            notices.append(f"{name}: Density Attribute is '{attribute}'; only 'density' is shown")
-        if value_of(node, "Emission Strength", name, []) > 0.0 or value_of(node, "Blackbody Intensity", name, []) > 0.0:
-            notices.append(f"{name}: its emission is not shown yet")
-        density = max(0.0, value_of(node, "Density", name, notices))
-        colour = np.maximum(value_of(node, "Color", name, notices), 0.0)
-        tint = np.maximum(value_of(node, "Absorption Color", name, notices), 0.0)
-        absorption = density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - np.sqrt(tint), 0.0)
-        anisotropy = float(np.clip(value_of(node, "Anisotropy", name, notices), -0.999, 0.999))
-        return density * colour, absorption, anisotropy
+        if node.type == "PRINCIPLED_VOLUME":
+            return _principled_smoke(node, thing.name, notices)
+        notices.append(f"{thing.name}: its volume shader is {node.type.lower()}; only Principled Volume is shown")
+        return _WHITE
+    if thing.type == "VOLUME":
+        return None
     notices.append(f"{thing.name}: no Principled Volume in its material; shown as white smoke of density 1")
-    return np.ones(3), np.zeros(3), 0.0
+    return _WHITE
+
+
+_WHITE = Smoke(np.ones(3), np.zeros(3))
+
+
+def _principled_smoke(node: Any, name: str, notices: list[str]) -> Smoke:
+    attribute = value_of(node, "Density Attribute", name, notices)
+    if tinted := value_of(node, "Color Attribute", name, notices):
+        notices.append(f"{name}: its Color Attribute '{tinted}' is not followed yet; the smoke has one colour")
+    if value_of(node, "Emission Strength", name, []) > 0.0 or value_of(node, "Blackbody Intensity", name, []) > 0.0:
+        notices.append(f"{name}: its emission is not shown yet")
+    density = max(0.0, value_of(node, "Density", name, notices))
+    colour = np.maximum(value_of(node, "Color", name, notices), 0.0)
+    tint = np.maximum(value_of(node, "Absorption Color", name, notices), 0.0)
+    absorption = density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - np.sqrt(tint), 0.0)
+    anisotropy = float(np.clip(value_of(node, "Anisotropy", name, notices), -0.999, 0.999))
+    return Smoke(density * colour, absorption, anisotropy, attribute)
 
 
 def background(scene: Any, notices: list[str]) -> NDArray[np.float64]:

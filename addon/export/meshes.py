@@ -49,7 +49,7 @@ def _owner(thing: Any, depsgraph: Any, how: tuple[Any, ...]) -> Owner | None:
     own = original.evaluated_get(depsgraph).data
     if own is None or own.as_pointer() != mesh.as_pointer():
         return None
-    positions = core.module().content_hash(_vertices(mesh))
+    positions = core.module().content_hash(vertices_of(mesh))
     addresses = original.as_pointer(), original.data.as_pointer()
     view_layer = depsgraph.view_layer.name
     return Owner(addresses, (positions, len(mesh.loops), len(mesh.polygons), view_layer, *how))
@@ -58,12 +58,12 @@ def _owner(thing: Any, depsgraph: Any, how: tuple[Any, ...]) -> Owner | None:
 def triangles_of(thing: Any, slots: int, brushed: bool = False) -> Triangles | None:
     """The triangles of an object, None if it has none."""
     if _own_data_will_do(thing):
-        return _read(thing.data, _vertices(thing.data), slots, brushed)
+        return _read(thing.data, vertices_of(thing.data), slots, brushed)
     mesh = thing.to_mesh()
     if mesh is None:
         return None
     try:
-        return _read(mesh, _vertices(mesh), slots, brushed, own_copy=True)
+        return _read(mesh, vertices_of(mesh), slots, brushed, own_copy=True)
     finally:
         thing.to_mesh_clear()
 
@@ -75,7 +75,7 @@ def _own_data_will_do(thing: Any) -> bool:
     return not compat.subdivides_on_the_gpu(thing)
 
 
-def _vertices(mesh: Any) -> NDArray[np.float32]:
+def vertices_of(mesh: Any) -> NDArray[np.float32]:
     vertices = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
     mesh.vertices.foreach_get("co", vertices)
     return vertices.reshape(-1, 3)

@@ -4,6 +4,9 @@
 from __future__ import annotations
 
 import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat, core
-from . import materials
+from . import materials, meshes
 from .parts import Parts
 
 
@@ -40,43 +43,70 @@ def domain_settings(thing: Any) -> Any | None:
 def medium_of(
     thing: Any, matrix: NDArray[np.float64], depsgraph: Any, parts: Parts, notices: list[str]
 ) -> Medium | None:
-    """The smoke of an object at this frame, None if it is not smoke. Raises ValueError for smoke that is not there."""
+    """The smoke of an object at this frame, None if it is not smoke, or shows none, as in Cycles. Raises ValueError for
+    smoke that is not there."""
     settings = None if thing.type == "VOLUME" else domain_settings(thing)
     if thing.type != "VOLUME" and settings is None:
         return None
-    room = abs(float(np.linalg.det(matrix[:3, :3])))
-    if room < 1e-12:
+    if abs(float(np.linalg.det(matrix[:3, :3]))) < 1e-12:
         raise ValueError(f"its scale {np.linalg.norm(matrix[:3, :3], axis=0).tolist()} leaves the smoke no room")
-    shape: tuple[int, ...]
-    if settings is None:
-        path, shape, grid_to_object = volume_file(thing.data)
-    else:
-        density, grid_to_object = domain_grid(settings, depsgraph.scene.frame_current)
-        shape = density.shape
-    scattering, absorption, anisotropy = materials.cross_sections(thing, notices)
-    if thing.type == "VOLUME" and thing.data.render.space == "OBJECT":
-        # A volume's density is per unit of the object's own space, a domain's per metre.
-        scale = room ** (1.0 / 3.0)
-        scattering, absorption = scattering / scale, absorption / scale
-    grid_to_world = matrix @ grid_to_object
-    emptiness = core.module().emptiness(shape, grid_to_world, scattering + absorption)
-    if settings is None:
-        grid = parts.part(
-            lambda: _size_and_time(path),
-            ("file", path, emptiness),
-            lambda _: core.module().Grid.from_file(path, empty_below=emptiness),
+    smoke = materials.smoke_of(thing, notices)
+    if smoke is None:
+        return None
+    if settings is not None:
+        return _of_domain(settings, matrix, depsgraph, smoke, parts)
+    if thing.data.render.space == "OBJECT":
+        smoke = smoke.divided_by(world_unit(matrix))
+    if thing.data.render.clipping > 1.01e-3:  # more than the default
+        notices.append(
+            f"{thing.name}: its Clipping of {thing.data.render.clipping:.3g} is not followed; all voxels are shown"
         )
-    else:
-        grid = parts.part(lambda: (density,), ("grid", emptiness), lambda cells: _taken(cells, emptiness))
+    return _of_volume(thing, matrix, smoke, parts)
+
+
+def world_unit(matrix: NDArray[np.float64]) -> float:
+    """How long Cycles takes a unit of an object's own space to be, of which a Volume object's density is meant. Seen:
+    3.4.1 to 5.0.1, objects scaled by (1, 1, 4), (3, 1, 1), (1, 1, .25); not the cube root of the volume."""
+    return float(np.linalg.norm(matrix[:3, :3] @ np.ones(3)) / np.sqrt(3.0))
+
+
+def _of_domain(
+    settings: Any, matrix: NDArray[np.float64], depsgraph: Any, smoke: materials.Smoke, parts: Parts
+) -> Medium:
+    density, grid_to_object = domain_grid(settings, depsgraph.scene.frame_current, smoke.attribute)
+    grid_to_world = matrix @ grid_to_object
+    emptiness = core.module().emptiness(density.shape, grid_to_world, smoke.extinction)
+    grid = parts.part(lambda: (density,), ("grid", emptiness), lambda cells: _taken(cells, emptiness))
     assert grid is not None
-    return Medium(grid, grid.amount, grid_to_world, scattering, absorption, anisotropy)
+    return Medium(grid, grid.amount, grid_to_world, smoke.scattering, smoke.absorption, smoke.anisotropy)
+
+
+def _of_volume(thing: Any, matrix: NDArray[np.float64], smoke: materials.Smoke, parts: Parts) -> Medium | None:
+    with file_of(thing) as (found, edited):
+        if found is None:
+            return None
+        path = found
+        shape, grid_to_object = core.module().volume_header(path, smoke.attribute)
+        if 0 in shape:
+            raise ValueError(f"'{path}' holds no smoke")
+        # To OpenVDB a sample is a point of the lattice: the header's cells lie around those.
+        grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, compat.sample_place())
+        grid_to_world = matrix @ grid_to_object
+        emptiness = core.module().emptiness(shape, grid_to_world, smoke.extinction)
+        grid = parts.part(
+            (lambda: (np.fromfile(path, np.uint8),)) if edited else (lambda: _size_and_time(path)),
+            ("edited" if edited else "file", "" if edited else path, smoke.attribute, emptiness),
+            lambda _: core.module().Grid.from_file(path, smoke.attribute, empty_below=emptiness),
+        )
+    assert grid is not None
+    return Medium(grid, grid.amount, grid_to_world, smoke.scattering, smoke.absorption, smoke.anisotropy)
 
 
 def _taken(density: NDArray[np.float32], emptiness: float) -> Any:
-    """The native grid. Raises ValueError for densities that cannot be."""
+    """The native grid; what is negative counts as none, as in Cycles. Raises ValueError for densities that cannot be."""
     if not np.isfinite(density.sum()) and not np.isfinite(density).all():
         raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
-    return core.module().Grid(density, emptiness)
+    return core.module().Grid(np.maximum(density, 0.0) if density.min() < 0.0 else density, emptiness)
 
 
 def _size_and_time(path: str) -> tuple[NDArray[np.int64]]:
@@ -88,14 +118,28 @@ def _size_and_time(path: str) -> tuple[NDArray[np.int64]]:
     return (np.array([status.st_size, status.st_mtime_ns], np.int64),)
 
 
-def domain_grid(settings: Any, frame: int) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """Density (z, y, x) of a Mantaflow domain, and the matrix from its cells to the object."""
+# Where a domain keeps what materials ask for by name.
+_DOMAIN_GRIDS = {
+    "density": "density_grid",
+    "flame": "flame_grid",
+    "heat": "heat_grid",
+    "temperature": "temperature_grid",
+}
+
+
+def domain_grid(
+    settings: Any, frame: int, attribute: str = "density"
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """A grid (z, y, x) of a Mantaflow domain, and the matrix from its cells to the object."""
     missing = f"no smoke at frame {frame}: bake the domain, or find its cache, '{settings.cache_directory}'"
-    cells = len(settings.density_grid)
+    if attribute not in _DOMAIN_GRIDS:
+        raise ValueError(f"its material takes '{attribute}' for density, which a domain has not: nothing is shown")
+    found = getattr(settings, _DOMAIN_GRIDS[attribute])
+    cells = len(found)
     if cells == 0:
         raise ValueError(missing)
     density = np.empty(cells, dtype=np.float32)
-    settings.density_grid.foreach_get(density)
+    found.foreach_get(density)
     resolution = np.array(settings.domain_resolution, dtype=np.int64)
     base = int(resolution.prod())
     # With noise the grid is finer than the domain says, by a whole factor.
@@ -105,20 +149,47 @@ def domain_grid(settings: Any, frame: int) -> tuple[NDArray[np.float32], NDArray
     if not density.any():
         raise ValueError(missing)
     grid_to_object = np.diag([*(np.array(settings.cell_size) / finer), 1.0])
-    grid_to_object[:3, 3] = settings.start_point
+    # An adaptive domain shrinks to its smoke, and its settings do not say to where; its evaluated mesh does.
+    corner = meshes.vertices_of(settings.id_data.data).min(axis=0) if settings.use_adaptive_domain else None
+    grid_to_object[:3, 3] = settings.start_point if corner is None else corner
     nx, ny, nz = resolution * finer
     return density.reshape(nz, ny, nx), grid_to_object
 
 
-def volume_file(volume: Any) -> tuple[str, tuple[int, int, int], NDArray[np.float64]]:
-    """The path of a Volume object's file at this frame, its density's shape, and the matrix from its cells to the object."""
-    if not volume.filepath:
-        raise ValueError("no file: choose an OpenVDB file")
+@contextmanager
+def file_of(thing: Any) -> Iterator[tuple[str | None, bool]]:
+    """The file of a Volume object's voxels at this frame, for a while, and whether they are not those of a file of the
+    artist's: modifiers and nodes change or make voxels, which Blender writes down for us. None where Blender shows
+    nothing. Raises ValueError for a file that is not there."""
+    volume = thing.data
+    if volume.filepath and not thing.modifiers:
+        yield _own_file(volume), False
+        return
     volume.grids.load()
-    path = volume.grids.frame_filepath or bpy.path.abspath(volume.filepath, library=volume.library)
-    shape, grid_to_object = core.module().volume_header(path)
-    if 0 in shape:
-        raise ValueError(f"'{path}' holds no smoke")
-    # To OpenVDB a sample is a point of the lattice: the header's cells lie around those.
-    grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, compat.sample_place())
-    return path, shape, grid_to_object
+    if len(volume.grids) == 0:
+        if not volume.filepath and not thing.modifiers:
+            raise ValueError("no file: choose an OpenVDB file")
+        yield None, True
+        return
+    handle, path = tempfile.mkstemp(suffix=".vdb", dir=bpy.app.tempdir)
+    os.close(handle)
+    try:
+        if not volume.grids.save(filepath=path):
+            raise ValueError(f"its voxels cannot be written to '{path}': {volume.grids.error_message}")
+        yield path, True
+    finally:
+        os.remove(path)
+
+
+def _own_file(volume: Any) -> str | None:
+    volume.grids.load()
+    path: str = volume.grids.frame_filepath
+    if path or not volume.is_sequence:
+        return path or str(bpy.path.abspath(volume.filepath, library=volume.library))
+    if volume.grids.frame == _OUTSIDE:
+        return None
+    # Once a file was missing, `error_message` stays, and load() goes on to fail, at frames that are there.
+    raise ValueError(f"no smoke at frame {volume.grids.frame} of its sequence: {volume.grids.error_message}")
+
+
+_OUTSIDE = 2**31 - 1  # the frame of a sequence that is clipped

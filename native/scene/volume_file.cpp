@@ -193,12 +193,12 @@ void require_densities(const CellBlock &block, const glm::ivec3 &origin, const s
         for (int y = 0; y < size.y; ++y) {
             for (int x = 0; x < size.x; ++x) {
                 const float value = block.values[x * block.strides.x + y * block.strides.y + z * block.strides.z];
-                if (value >= 0.0F && value <= 1e30F) {
+                if (std::isfinite(value) && value <= 1e30F) {
                     continue;
                 }
                 throw std::runtime_error("its grid '" + name + "' holds " + std::to_string(value) + " at voxel " +
                                          text_of(origin + block.first + glm::ivec3(x, y, z)) +
-                                         (std::isfinite(value) ? ", but a density is in [0, 1e30]" : ""));
+                                         (std::isfinite(value) ? ", but a density is at most 1e30" : ""));
             }
         }
     }

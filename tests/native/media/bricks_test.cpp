@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <random>
 #include <span>
 #include <utility>
@@ -63,6 +64,21 @@ std::vector<float> all_cells(const Grid &grid, std::span<const float> values, in
     std::vector<float> out(std::size_t(n.x * n.y * n.z * channels), -1.0F);
     copy_cells(grid, values, channels, out);
     return out;
+}
+
+// As in Cycles: filters with negative lobes and signed fields hold them.
+TEST(Bricks, OfNegativeCellsAreNone) {
+    std::vector<float> density(20 * 20 * 20, -3.0F);
+    const auto at = [](int x, int y, int z) { return std::size_t((z * 20 + y) * 20 + x); };
+    density[at(5, 6, 7)] = density[at(7, 6, 7)] = 2.0F;
+    for (const Layout layout : {Layout::DENSE, Layout::BEST}) {
+        const auto grid = crop(density, glm::ivec3(20), 0.0F, layout);
+        ASSERT_EQ(grid->resolution, glm::ivec3(5, 3, 3));
+        EXPECT_EQ(grid->amount, 4.0);
+        const std::vector<float> cells = all_cells(*grid, grid->density, 1);
+        EXPECT_EQ(std::accumulate(cells.begin(), cells.end(), 0.0F), 4.0F);
+        EXPECT_EQ(*std::min_element(cells.begin(), cells.end()), 0.0F);
+    }
 }
 
 TEST(Bricks, HoldTheCellsOfTheDenseGrid) {

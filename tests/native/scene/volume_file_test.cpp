@@ -146,13 +146,12 @@ TEST_F(Files, WithoutSmokeHaveNoBlocks) {
 
 TEST_F(Files, WithDensitiesThatCannotBeAreRefused) {
     const auto some = grid();
-    some->tree().setValue({3, -4, 5}, -1.0F);
-    EXPECT_EQ(refusal_by(read_volume_blocks, write({some})),
-              "its grid 'density' holds -1.000000 at voxel [3, -4, 5], but a density is in [0, 1e30]");
+    some->tree().setValue({3, -4, 5}, -std::numeric_limits<float>::infinity());
+    EXPECT_EQ(refusal_by(read_volume_blocks, write({some})), "its grid 'density' holds -inf at voxel [3, -4, 5]");
     const auto tile = grid();
-    tile->tree().addTile(1, {8, 16, 24}, -2.0F, true);
-    EXPECT_EQ(refusal_by(read_volume_blocks, write({tile})),
-              "its grid 'density' holds -2.000000 at voxel [8, 16, 24], but a density is in [0, 1e30]");
+    tile->tree().addTile(1, {8, 16, 24}, 2e30F, true);
+    EXPECT_NE(refusal_by(read_volume_blocks, write({tile})).find("at voxel [8, 16, 24], but a density is at most 1e30"),
+              std::string::npos);
 }
 
 TEST_F(Files, ThatAreNoneAreNamed) {
