@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/cycles.png, lights.png, cost.png, arealights.png and lightmaps.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
+"""docs/cycles.png, lights.png, cost.png, arealights.png, lightmaps.png and bases.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
 
 from __future__ import annotations
 
@@ -147,12 +147,40 @@ def light_maps_chart() -> None:
     save(figure, "lightmaps", 90)
 
 
+BASES = {"cosine": SFUMATO, "fourier": "tab:blue", "piecewise": "tab:green", "learned": "tab:red", "curve": "black"}
+
+
+def bases_chart() -> None:
+    """A frame's own share of the error against the time of its maps and lit smoke; hollow where a map has one range."""
+    rows = rows_of("bases")
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    figure, panels = plt.subplots(1, len(cases), figsize=(10.0, 4.4), sharey=True)
+    for case, axes in zip(cases, panels):
+        for row in (row for row in rows if row["case"] == case):
+            basis, count, shared = (row["method"].split("-") + ["", ""])[:3]
+            colour = BASES[basis]
+            place = 1e3 * row["frame_seconds"], 100.0 * row["series_error"]
+            axes.loglog(*place, "D", color=colour, markerfacecolor="none" if shared else colour, markersize=7)
+            axes.annotate(count, place, (6, -3), textcoords="offset points", fontsize=8)
+        axes.set_title({"plume": "the sun of the sample", "sun-10": "a sun of 10 degrees"}[case], fontsize=10)
+        axes.set_xlabel("ms of one processor, light maps and lit smoke", fontsize=9)
+        axes.margins(0.12, 0.12)
+        axes.grid(True, which="both", alpha=0.25)
+    for basis, colour in BASES.items():
+        panels[0].loglog([], [], "D", color=colour, label=basis)
+    panels[0].loglog([], [], "D", color="0.4", markerfacecolor="none", label="one range a map")
+    panels[0].legend(fontsize=8)
+    panels[0].set_ylabel("relative RMSE of the picture, %, of the series alone", fontsize=9)
+    save(figure, "bases", 90)
+
+
 def main() -> None:
     cycles_chart()
     lights_chart()
     cost_chart()
     area_lights_chart()
     light_maps_chart()
+    bases_chart()
 
 
 if __name__ == "__main__":

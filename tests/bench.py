@@ -23,7 +23,7 @@ from typing import Any
 ROOM = Path(__file__).resolve().parent / "bench"
 sys.path.insert(0, str(ROOM))
 
-from bench_rows import CostRow, LightRow, Row, error_of
+from bench_rows import BasisRow, CostRow, LightRow, Row, error_of
 from blender_run import ROOT, run_script
 
 
@@ -58,6 +58,32 @@ def against_cycles() -> tuple[list[Row], list[str]]:
     rival = seconds_at_error(cycles, error_of(sfumato))
     speed_up = rival / sfumato["seconds"]
     return rows, [f"Cycles needs {rival:.3g} s for sfumato's error: sfumato is {speed_up:.3g} times as fast"]
+
+
+def bases() -> tuple[Sequence[Row], list[str]]:
+    """A frame of the plume with light maps of every basis, over each ray's own range and over the map's."""
+    series = ["fourier-7", "fourier-15", "cosine-7", "cosine-15", "piecewise-7", "piecewise-32", "learned-7"]
+    methods = [*series, "learned-15", "curve", *(f"{method}-shared" for method in series), "learned-15-shared"]
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder) / "rows.json"
+        script = ROOM / "bench_bases_in_blender.py"
+        run_script(ROOT / "blend_samples" / "plume.blend", script, str(ROOT / "tests/goldens"), str(answer), *methods)
+        rows: list[BasisRow] = json.loads(answer.read_text(encoding="utf-8"))
+    return rows, basis_remarks(rows)
+
+
+def basis_remarks(rows: list[BasisRow]) -> list[str]:
+    """Of each case, the methods that no other beats in both the basis's own error and the time."""
+    remarks = []
+    for case in dict.fromkeys(row["case"] for row in rows):
+        own = [row for row in rows if row["case"] == case]
+        best = [
+            row["method"]
+            for row in own
+            if not any(r["series_error"] < row["series_error"] and r["seconds"] < row["seconds"] for r in own)
+        ]
+        remarks.append(f"{case}: none is better in both error and time than {', '.join(best)}")
+    return remarks
 
 
 def lights() -> tuple[Sequence[Row], list[str]]:
@@ -167,6 +193,7 @@ def heavy(**options: Any) -> tuple[Sequence[Row], list[str]]:
 
 SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "arealights": area_lights,
+    "bases": bases,
     "cost": scale,
     "cycles": against_cycles,
     "heavy": heavy,

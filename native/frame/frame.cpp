@@ -88,9 +88,13 @@ void Frame::transmittance(std::size_t light, std::span<const float> points, std:
             if (map == nullptr) {
                 continue;
             }
-            prepared_->arena.execute([&] { map->look_up(points, columns); });
-            for (std::size_t i = 0; i < depth.size(); ++i) {
-                depth[i] += columns[i / 3] * content_.media[m].extinction[static_cast<int>(i % 3)];
+            for (int c = 0; c < 3; ++c) {
+                if (c == 0 || map->colours > 1) {
+                    prepared_->arena.execute([&] { map->look_up(points, columns, c); });
+                }
+                for (std::size_t i = 0; i < columns.size(); ++i) {
+                    depth[3 * i + static_cast<std::size_t>(c)] += columns[i] * content_.media[m].extinction[c];
+                }
             }
         }
         for (std::size_t i = 0; i < depth.size(); ++i) {

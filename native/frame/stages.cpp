@@ -8,6 +8,14 @@
 namespace sfumato {
 namespace {
 
+LightMapSettings map_settings(const FrameSettings &settings) {
+    LightMapSettings map{settings.coefficients, settings.texels_per_cell};
+    map.basis = settings.basis;
+    map.curved = settings.curved;
+    map.shared = settings.shared_ranges;
+    return map;
+}
+
 constexpr std::array PARTS = {
     PartStage{"solids", [](const Scene & /*scene*/, const Content & /*content*/) { return true; },
               [](const Making &making, Content &content) {
@@ -25,14 +33,15 @@ constexpr std::array PARTS = {
               }},
     PartStage{"lights", [](const Scene &scene, const Content & /*content*/) { return !scene.lights.empty(); },
               [](const Making &making, Content &content) {
-                  content.lighting = Lighting(making.scene.lights, content.media, making.settings.light_samples);
+                  const FrameSettings &settings = making.settings;
+                  const int samples = settings.shared_ranges ? 1 : settings.light_samples;
+                  content.lighting = Lighting(making.scene.lights, content.media, samples);
               }},
     PartStage{
         "light maps",
         [](const Scene &scene, const Content &content) { return !scene.lights.empty() && !content.media.empty(); },
         [](const Making &making, Content &content) {
-            content.lighting.build_maps(content.media, *content.surfaces,
-                                        {making.settings.coefficients, making.settings.texels_per_cell}, making.with,
+            content.lighting.build_maps(content.media, *content.surfaces, map_settings(making.settings), making.with,
                                         making.prepared.lights);
         }},
     PartStage{

@@ -28,6 +28,9 @@ struct FrameSettings {
     double texels_per_cell = 1.0; // resolution of the light map against the medium's grid
     double steps_per_cell = 1.0;  // of the march along view rays
     int light_samples = 16;       // at most, of a light that is large enough to blur the smoke's shadow
+    BasisName basis = COSINE;     // of the light maps
+    bool curved = false;          // light maps of resolved curves, and of no basis
+    bool shared_ranges = false;   // one range a map: a large light has one map, and a filter stands for its size
 };
 
 // Of a frame, what does not depend on the camera.

@@ -50,14 +50,11 @@ void smoke_transmittance(const FrameView &frame, const LightView &light, const v
         Real depth[3] = {0.0F, 0.0F, 0.0F};
         for (std::size_t m = 0; m < media; ++m) {
             const LightMapView &map = light.maps[j * media + m];
-            if (map.coefficients == nullptr) {
+            if (map.empty()) {
                 continue;
             }
             const vec3 place = place_on(map, point);
-            const Real column = column_density(map, locate(map, place.x, place.y), place.z);
-            for (int c = 0; c < colours; ++c) {
-                depth[c] = depth[c] + column * frame.media[m].extinction[c];
-            }
+            add_optical_depth(map, locate(map, place.x, place.y), place, frame.media[m].extinction, colours, depth);
         }
         for (int c = 0; c < colours; ++c) {
             sum[c] = sum[c] + RaysText().transmittance_of(depth[c]);

@@ -42,6 +42,10 @@ LightView view_of(const Light &light, double cell);
 // sun, directions towards it.
 std::vector<glm::vec3> light_samples(const LightView &light, std::span<const CroppedMedium> media, int most);
 
+// The standard deviation, in metres, of the bell that stands for the shadow of one point of the smoke in a light, over
+// as much air as half the smoke is wide.
+double shadow_blur(const LightView &light, const CroppedMedium &medium);
+
 // Whether light from one of its samples can meet what is in the ball at all: not behind an area light, not outside a
 // spot's cone.
 bool meets(const LightView &light, const glm::dvec3 &sample, const Ball &ball);

@@ -53,15 +53,13 @@ Arriving arriving(const LightBox &box, const vec3 &world) {
         Real visible = weight;
         Real depth[3] = {0.0F, 0.0F, 0.0F};
         for (int m = 0; m < media; ++m) {
-            if (maps[m].coefficients == nullptr) {
+            if (maps[m].empty()) {
                 continue;
             }
             const vec3 place = place_on(maps[m], world);
             const Texels texels = locate(maps[m], place.x, place.y);
-            const Real column = column_density(maps[m], texels, place.z);
-            for (int c = 0; c < colours; ++c) {
-                depth[c] = depth[c] + column * box.media[static_cast<std::size_t>(m)].extinction[c];
-            }
+            const float *extinction = box.media[static_cast<std::size_t>(m)].extinction;
+            add_optical_depth(maps[m], texels, place, extinction, colours, depth);
             if (m == box.own) {
                 visible = weight * (1.0F - solid_occlusion(maps[m], texels, place.z));
             }

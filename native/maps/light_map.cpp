@@ -2,7 +2,9 @@
 #include "maps/light_map.hpp"
 
 #include "lights/light.hpp"
+#include "maps/map_filter.hpp"
 #include "maps/map_kernels.hpp"
+#include "rays/ray_kernels.hpp"
 #include "scene/affine.hpp"
 #include "text/lights_text.hpp"
 
@@ -93,49 +95,64 @@ glm::ivec2 texels_for(const glm::dvec2 &extent, double texel, int floats, double
     return glm::ivec2(glm::ceil(extent / std::max(texel, least))) + 2;
 }
 
+// Empty texels on every side, more than the usual one, so that a filter keeps the smoke's mass.
+int rim_for(double blur) {
+    return blur > 0.0 ? static_cast<int>(std::ceil(3.0 * blur)) + BOXES : 0;
+}
+
+// A narrower bell is no wider than the look-up's own filter.
+double worth(double blur) {
+    return blur < 0.25 ? 0.0 : blur;
+}
+
+// Numbers of four bytes a texel.
+int words(const LightMap &map) {
+    return map.curved ? RAY_WORDS * map.colours : map.view().stride();
+}
+
+// A map of what the settings ask for, without its rays.
+LightMap planned(const CroppedMedium &medium, const LightMapSettings &settings) {
+    LightMap map;
+    map.series = {settings.basis, static_cast<std::size_t>(settings.coefficients), {}};
+    map.shared = settings.shared && !settings.curved;
+    map.curved = settings.curved;
+    map.colours = settings.curved && !medium.grey() ? 3 : 1;
+    map.extinction = medium.extinction;
+    return map;
+}
+
 } // namespace
 
 LightMapView LightMap::view(const SolidDepths *solids) const {
-    LightMapView view{
-        coefficients.data(),   solids == nullptr ? nullptr : solids->data(), count, size.x, size.y, radial,
-        affine(world_to_light)};
+    LightMapView view;
+    view.coefficients = coefficients.data();
+    view.solid_depth = solids == nullptr ? nullptr : solids->data();
+    view.count = static_cast<int>(series.count);
+    view.width = size.x;
+    view.height = size.y;
+    view.radial = radial;
+    view.world_to_light = affine(world_to_light);
     for (int axis = 0; axis < 3; ++axis) {
         view.low[axis] = static_cast<float>(low[axis]);
         view.scale[axis] = static_cast<float>(1.0 / (high[axis] - low[axis]));
+        view.per_depth[axis] = extinction[axis] > 0.0F ? 1.0F / extinction[axis] : 0.0F;
     }
+    view.basis = series.name;
+    view.shared = shared;
+    view.tables = {static_cast<int>(series.tables.cells), series.tables.g.data()};
+    view.curves = curved ? curves.data() : nullptr;
+    view.colours = colours;
     return view;
 }
 
-void LightMap::look_up(std::span<const float> points, std::span<float> columns) const {
+void LightMap::look_up(std::span<const float> points, std::span<float> columns, int colour) const {
     constexpr int CHUNK = 4096;
     const auto total = static_cast<int>(columns.size());
     oneapi::tbb::parallel_for(0, (total + CHUNK - 1) / CHUNK, [&](int chunk) {
         const int first = chunk * CHUNK;
         map_kernels().look_up(view(), points.data() + static_cast<std::ptrdiff_t>(first) * 3, columns.data() + first,
-                              std::min(CHUNK, total - first));
+                              std::min(CHUNK, total - first), colour);
     });
-}
-
-LightMap projected(LightMap map, const CroppedMedium &medium, const InstructionSet &with) {
-    const Affine light_to_grid = affine(glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light));
-    const std::ptrdiff_t row_floats = static_cast<std::ptrdiff_t>(map.size.x) * map.view().stride();
-    map.coefficients.resize(static_cast<std::size_t>(row_floats * map.size.y));
-    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
-        ProjectRow row;
-        row.density = medium.grid->view();
-        row.clearance = medium.grid->clearances();
-        row.map = map.view();
-        row.light_to_grid = light_to_grid;
-        row.slice_length = static_cast<float>(map.length / map.slices);
-        row.extinction = medium.strongest();
-        row.slices = map.slices;
-        row.y = y;
-        row.coefficients = map.coefficients.data() + y * row_floats;
-        std::vector<float> scratch(static_cast<std::size_t>(map.slices) * (MAX_LANES + 1));
-        row.scratch = scratch.data();
-        map_kernels(with).project_row(row);
-    });
-    return map;
 }
 
 SolidDepths find_solids(const LightMap &map, const SurfaceView &surfaces, double nearest_distance) {
@@ -167,11 +184,12 @@ LightMap plan_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direct
         low = glm::min(low, p);
         high = glm::max(high, p);
     }
-    LightMap map;
-    map.count = settings.coefficients;
+    LightMap map = planned(medium, settings);
     const double texel = texel_edge(medium, glm::normalize(direction)) / settings.texels_per_cell;
-    map.size = texels_for(glm::dvec2(high - low), texel, map.view().stride(), settings.most_floats);
+    map.size = texels_for(glm::dvec2(high - low), texel, words(map), settings.most_floats);
     const double fitted = std::max({texel, (high.x - low.x) / (map.size.x - 2), (high.y - low.y) / (map.size.y - 2)});
+    map.blur = worth(settings.blur / fitted);
+    map.size += 2 * rim_for(map.blur);
     const glm::dvec3 extent(glm::dvec2(map.size) * fitted, high.z - low.z);
     const glm::dvec3 origin = 0.5 * (low + high) - 0.5 * extent;
     for (int row = 0; row < 3; ++row) {
@@ -193,9 +211,8 @@ LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position
     const double distance = glm::length(towards);
     const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
     const glm::dmat3 to_light = glm::transpose(axes_of(look));
-    LightMap map;
+    LightMap map = planned(medium, settings);
     map.radial = true;
-    map.count = settings.coefficients;
     map.world_to_light = glm::dmat4(to_light);
     map.world_to_light[3] = glm::dvec4(-(to_light * position), 1.0);
 
@@ -238,9 +255,13 @@ LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position
     const double reach = std::max(distance, 0.25 * map.high.z);
     const double texel = texel_edge(medium, look) / (settings.texels_per_cell * reach);
     const glm::dvec2 extent(map.high - map.low);
-    map.size = texels_for(extent, texel, map.view().stride(), settings.most_floats);
+    map.size = texels_for(extent, texel, words(map), settings.most_floats);
     // The rim of two texels must lie outside the smoke, unless the map is all that there is.
-    const glm::dvec2 rim = extent / glm::dvec2(map.size - 2);
+    glm::dvec2 rim = extent / glm::dvec2(map.size - 2);
+    map.blur = worth(settings.blur / (reach * std::max(rim.x, rim.y)));
+    const int wider = rim_for(map.blur);
+    map.size += 2 * wider;
+    rim *= 1 + wider;
     map.low = glm::dvec3(glm::max(glm::dvec2(map.low) - rim, -1.0), map.low.z);
     map.high = glm::dvec3(glm::min(glm::dvec2(map.high) + rim, 1.0), map.high.z);
     map.length = map.high.z - map.low.z;

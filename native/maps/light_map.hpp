@@ -7,6 +7,7 @@
 #include "solids/surface_view.hpp"
 #include "text/dispatch.hpp"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -19,28 +20,40 @@ namespace sfumato {
 using SolidDepths = std::vector<float>;
 
 struct LightMap {
-    int count = 1; // coefficients a texel
+    Series series{COSINE, 15, {}}; // a learned basis has its tables once it is projected
+    bool shared = false;           // whether one range of depth serves all rays
+    bool curved = false;           // whether a texel has resolved curves in the place of the series
+    double blur = 0.0;             // standard deviation of the filter that stands for the light's extent, texels
     glm::ivec2 size{0};
     bool radial = false;
-    glm::dmat4 world_to_light{1.0};  // see LightMapView
-    glm::dvec3 low{0.0}, high{1.0};  // radial: the rectangle of the octahedral square, and the distances
-    int slices = 0;                  // into which a ray is cut when it is projected,
-    double length = 0.0;             // and how long it is, metres
-    std::vector<float> coefficients; // of the column density, metres times density: see LightMapView; none in a plan
+    glm::dmat4 world_to_light{1.0};   // see LightMapView
+    glm::dvec3 low{0.0}, high{1.0};   // radial: the rectangle of the octahedral square, and the distances
+    int slices = 0;                   // into which a ray is cut when it is projected,
+    double length = 0.0;              // and how long it is, metres
+    std::vector<float> coefficients;  // of the column density, metres times density: see LightMapView; none in a plan
+    std::vector<std::int32_t> curves; // in their place
+    int colours = 1;                  // of the curves
+    glm::vec3 extinction{0.0F};       // that they hold
 
     // With the depths of its solids, where they are known.
     [[nodiscard]] LightMapView view(const SolidDepths *solids = nullptr) const;
     [[nodiscard]] std::size_t texels() const {
         return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
     }
-    // Column density between the light and each of `points` (x, y, z in turn).
-    void look_up(std::span<const float> points, std::span<float> columns) const;
+    [[nodiscard]] std::size_t bytes() const { return 4 * (coefficients.size() + curves.size()); }
+    // Column density between the light and each of `points` (x, y, z in turn), as light of a colour meets it: curves
+    // are rounded for each, series are the same for all.
+    void look_up(std::span<const float> points, std::span<float> columns, int colour = 0) const;
 };
 
 struct LightMapSettings {
-    int coefficients = 15;
+    int coefficients = 15;        // of a series
     double texels_per_cell = 1.0; // against the shortest edge of the medium's cells
     double most_floats = 1 << 26; // of one map: a quarter of a gibibyte; it has larger texels where it would need more
+    BasisName basis = COSINE;
+    bool curved = false; // resolved curves in the place of a series
+    bool shared = false; // one range of depth for all rays of a series, so that it may be filtered:
+    double blur = 0.0;   // by a bell of this standard deviation, metres at the middle of the smoke
 };
 
 // The rays of a map of light that travels in `direction` everywhere.
@@ -49,8 +62,15 @@ LightMap plan_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direct
 // The rays of a map of light that leaves `position` in all directions. The position may lie in the medium.
 LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const LightMapSettings &settings);
 
-// A plan with its coefficients.
+// A plan with its coefficients, or its curves.
 LightMap projected(LightMap plan, const CroppedMedium &medium, const InstructionSet &with = instruction_set());
+
+// A map's series with coefficients as project() of rays/basis.hpp makes them, and the range of each; none of curves.
+struct MapSeries {
+    std::vector<float> coefficients; // texel by texel
+    std::vector<Range> ranges;
+};
+MapSeries series_of(const LightMap &map);
 
 inline LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction,
                                    const LightMapSettings &settings, const InstructionSet &with = instruction_set()) {

@@ -2,6 +2,7 @@
 // Building a light map from a density grid, and looking it up, many texels or cells at a time.
 #include "maps/map_kernels.hpp"
 #include "maps/sampling.hpp"
+#include "rays/series_lanes.hpp"
 #include "text/camera_text.hpp"
 #include "text/lanes.hpp"
 #include "text/lights_text.hpp"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
 namespace sfumato::SFUMATO_ISA {
 
@@ -101,37 +103,70 @@ RaysText::DepthRange seen_range(const ProjectRow &row, const Samples &samples, R
     return range;
 }
 
-} // namespace
+// The rays of a packet: their smoke, the sum of its densities, and the range of depths that a series has to span.
+struct Packet {
+    Samples samples;
+    Real total;
+    RaysText::DepthRange range;
+};
 
-void project_row(const ProjectRow &row) {
-    constexpr int MAX_COUNT = 64;
-    const int count = row.map.count, width = row.map.width, stride = row.map.stride();
+Packet march_packet(const ProjectRow &row, int x) {
+    Packet packet{march_light(row, path_of(row, lane_numbers() + static_cast<float>(x))), 0.0F, {}};
+    for (int i = 0; i < packet.samples.count; ++i) {
+        packet.total = packet.total + packet.samples.density(i);
+    }
+    if (row.map.shared) {
+        packet.range.low = 0.0F;
+        packet.range.high = 1.0F;
+    } else {
+        packet.range = seen_range(row, packet.samples, packet.total, 1.0F / static_cast<float>(row.slices));
+    }
+    return packet;
+}
+
+constexpr int MAX_COUNT = 64;
+
+// sums[k] of the harmonics k = 1, ..., each a cosine or, of Fourier's, a cosine and a sine in turn.
+template <typename Waves>
+void sum_packet(const Packet &packet, float slice, int harmonics, Real *sums) {
+    constexpr bool HALF = std::is_same_v<Waves, Swinging>;
+    constexpr int BLOCKS = 4; // absorbers at a time
+    const Samples &samples = packet.samples;
+    for (int first = 0; first < samples.count; first += BLOCKS) {
+        Real density[BLOCKS];
+        Waves waves[BLOCKS];
+        for (int b = 0; b < BLOCKS; ++b) {
+            const int i = std::min(first + b, samples.count - 1);
+            density[b] = first + b < samples.count ? samples.density(i) : Real(0.0F);
+            const Real d = RaysText().relative_depth(packet.range, slice * (samples.slices[i] + 0.5F));
+            waves[b] = Waves(unit_harmonic(HALF, d));
+        }
+        sum_harmonics(density, waves, BLOCKS, static_cast<std::size_t>(harmonics),
+                      [sums](std::size_t k, Real cosine, Real sine) {
+                          if constexpr (HALF) {
+                              sums[k] = sums[k] + cosine;
+                          } else {
+                              sums[2 * k - 1] = sums[2 * k - 1] + cosine;
+                              sums[2 * k] = sums[2 * k] + sine;
+                          }
+                      });
+    }
+}
+
+template <BasisName BASIS>
+void project_harmonics(const ProjectRow &row) {
+    using Waves = std::conditional_t<BASIS == COSINE, Swinging, Turning>;
+    constexpr float FREQUENCY = BASIS == COSINE ? 0.5F : 1.0F;
+    const int count = row.map.count, width = row.map.width, stride = row.map.stride(), head = row.map.head();
     const float slice = 1.0F / static_cast<float>(row.slices);
     for (int x = 0; x < width; x += LANES) {
-        const Samples samples = march_light(row, path_of(row, lane_numbers() + static_cast<float>(x)));
-        Real total = 0.0F;
-        for (int i = 0; i < samples.count; ++i) {
-            total = total + samples.density(i);
-        }
-        const RaysText::DepthRange range = seen_range(row, samples, total, slice);
-        const Real per_depth = 1.0F / (range.high - range.low);
+        const Packet packet = march_packet(row, x);
+        const Real per_depth = 1.0F / (packet.range.high - packet.range.low);
         Real sums[MAX_COUNT];
         for (int k = 1; k < count; ++k) {
             sums[k] = 0.0F;
         }
-        for (int i = 0; i < samples.count; ++i) {
-            const Real density = samples.density(i);
-            const Real d = RaysText().relative_depth(range, slice * (samples.slices[i] + 0.5F));
-            // cos((k + 1) x) = 2 cos(x) cos(k x) - cos((k - 1) x)
-            const Real cosine = cos(0.5F * TWO_PI * d), twice = cosine + cosine;
-            Real last = 1.0F, harmonic_k = cosine;
-            for (int k = 1; k < count; ++k) {
-                sums[k] = xsimd::fma(density, harmonic_k, sums[k]);
-                const Real next = xsimd::fms(twice, harmonic_k, last);
-                last = harmonic_k;
-                harmonic_k = next;
-            }
-        }
+        sum_packet<Waves>(packet, slice, BASIS == COSINE ? count - 1 : count / 2, sums);
         alignas(64) float lanes[LANES];
         const auto store = [&](Real value, int at) {
             value.store_aligned(lanes);
@@ -139,19 +174,34 @@ void project_row(const ProjectRow &row) {
                 row.coefficients[static_cast<std::ptrdiff_t>(x + lane) * stride + at] = lanes[lane];
             }
         };
-        store(total * row.slice_length, 0);
-        store(range.low, 1);
-        store(per_depth, 2);
+        store(packet.total * row.slice_length, 0);
+        if (!row.map.shared) {
+            store(packet.range.low, 1);
+            store(per_depth, 2);
+        }
         for (int k = 1; k < count; ++k) {
-            const auto number = static_cast<float>(k);
-            const Real thickness = RaysText().slab_factor(0.5F * number, slice * per_depth);
-            store(sums[k] * thickness * (2.0F * row.slice_length / (0.5F * 6.28318530717958648F * number)),
-                  HEAD_FLOATS + k - 1);
+            const auto number = FREQUENCY * static_cast<float>(BASIS == COSINE ? k : (k + 1) / 2);
+            const Real thickness = RaysText().slab_factor(number, slice * per_depth);
+            store(sums[k] * thickness * (2.0F * row.slice_length / (6.28318530717958648F * number)), head + k - 1);
         }
     }
 }
 
-void look_up(const LightMapView &map, const float *points, float *columns, int count) {
+} // namespace
+
+void project_row(const ProjectRow &row) {
+    row.map.basis == COSINE ? project_harmonics<COSINE>(row) : project_harmonics<FOURIER>(row);
+}
+
+void march_row(const ProjectRow &row, int x, RowAbsorbers &out) {
+    const Packet packet = march_packet(row, x);
+    out.count = packet.samples.count;
+    packet.range.low.store_aligned(out.low);
+    packet.range.high.store_aligned(out.high);
+    (packet.total * row.slice_length).store_aligned(out.total);
+}
+
+void look_up(const LightMapView &map, const float *points, float *columns, int count, int colour) {
     for (int i = 0; i < count; i += LANES) {
         alignas(64) float xyz[3][LANES] = {};
         for (int lane = 0; lane < LANES && i + lane < count; ++lane) {
@@ -162,13 +212,13 @@ void look_up(const LightMapView &map, const float *points, float *columns, int c
         const vec3 p{Real::load_aligned(xyz[0]), Real::load_aligned(xyz[1]), Real::load_aligned(xyz[2])};
         const vec3 m = place_on(map, p);
         alignas(64) float lanes[LANES];
-        column_density(map, locate(map, m.x, m.y), m.z).store_aligned(lanes);
+        column_density(map, locate(map, m.x, m.y), m, colour).store_aligned(lanes);
         for (int lane = 0; lane < LANES && i + lane < count; ++lane) {
             columns[i + lane] = lanes[lane];
         }
     }
 }
 
-extern const MapKernels map_kernels{project_row, look_up, light_box};
+extern const MapKernels map_kernels{project_row, march_row, look_up, light_box};
 
 } // namespace sfumato::SFUMATO_ISA

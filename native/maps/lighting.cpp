@@ -80,6 +80,7 @@ void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &
         std::vector<LightMapView> &map_views = map_views_.emplace_back();
         for (const glm::vec3 &sample : samples_[i]) {
             for (const CroppedMedium &medium : media) {
+                map.blur = map.shared ? shadow_blur(views_[i], medium) : 0.0;
                 made.push_back(build_map(views_[i], glm::dvec3(sample), medium, surfaces, map, with, parts));
                 map_views.push_back(made.back().columns ? made.back().columns->view(made.back().solids.get())
                                                         : LightMapView{});
@@ -102,11 +103,15 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
     // The mesh does not shade the air just before its faces.
     const double nearest = light.of_mesh() ? 1e-3 * double{light.radius} : 0.0;
     Key rays;
-    rays.number(plan.count, plan.size.x, plan.size.y, plan.slices, static_cast<int>(plan.radial));
+    rays.number(plan.size.x, plan.size.y, plan.slices, static_cast<int>(plan.radial));
     rays.numbers(std::span<const double>(&plan.world_to_light[0].x, 16));
     rays.numbers(std::span<const double>(&plan.low.x, 3)).numbers(std::span<const double>(&plan.high.x, 3));
     Key columns = rays, solids = rays;
     columns.part(medium.grid).number(medium.strongest());
+    columns.number(plan.series.name, plan.series.count, plan.shared, plan.curved, plan.blur);
+    if (plan.curved) {
+        columns.number(medium.extinction.x, medium.extinction.y, medium.extinction.z);
+    }
     columns.numbers(std::span<const double>(&medium.grid_to_world[0].x, 16));
     solids.part(surfaces.places()).number(nearest);
     Map map;

@@ -20,11 +20,9 @@ struct Box {
     double ends = 0.0;
 };
 
-// Three boxes make a bell within 7 % of its height, at a price that does not depend on its width, and keep densities
+// BOXES of them make a bell within 7 % of its height, at a price that does not depend on its width, and keep densities
 // positive. Their variance is exact for any deviation because of the fractional ends: Gwosdek, Grewenig, Bruhn and
 // Weickert, "Theoretical Foundations of Gaussian Convolution by Extended Box Filtering", 2011, eqs 13-14.
-constexpr int BOXES = 3;
-
 Box extended_box(double deviation) {
     const double variance = deviation * deviation / BOXES;
     const double r = std::floor(0.5 * std::sqrt(12.0 * variance + 1.0) - 0.5);

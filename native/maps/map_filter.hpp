@@ -17,6 +17,7 @@ struct MapSize {
 };
 
 enum class FilterKind : std::uint8_t { BOX, GAUSSIAN };
+constexpr int BOXES = 3; // that a Gaussian is made of
 
 // The map convolved along both axes: BOX with the mean over `width` texels, an odd number, GAUSSIAN with a bell of
 // standard deviation `width` in texels. Outside of the map there is no smoke: what a texel within reach of a rim would

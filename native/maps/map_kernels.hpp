@@ -13,7 +13,7 @@
 
 namespace sfumato {
 
-// Projects one row of texels, slice by slice.
+// One row of texels, slice by slice.
 struct ProjectRow {
     GridView density;
     ClearanceView clearance;
@@ -25,6 +25,14 @@ struct ProjectRow {
     int y = 0;
     float *coefficients = nullptr; // of this row
     float *scratch = nullptr;      // MAX_LANES + 1 floats a slice, aligned for lanes
+};
+
+// The absorbers of as many rays of a row as there are lanes, from column `x` on: with ProjectRow::scratch, the number
+// of the slice of each, and after those of all slices, for each the densities on the rays.
+struct RowAbsorbers {
+    int count = 0;
+    alignas(64) float low[MAX_LANES], high[MAX_LANES]; // the ray's own range
+    alignas(64) float total[MAX_LANES];                // column density
 };
 
 // Fills a box of cells of one light's volume: a slice, or a brick.
@@ -39,8 +47,10 @@ struct LightBox {
 };
 
 struct MapKernels {
-    void (*project_row)(const ProjectRow &);
-    void (*look_up)(const LightMapView &, const float *points, float *columns, int count); // columns along the light
+    void (*project_row)(const ProjectRow &); // onto harmonics
+    void (*march_row)(const ProjectRow &, int x, RowAbsorbers &);
+    // Columns along the light, for a colour.
+    void (*look_up)(const LightMapView &, const float *points, float *columns, int count, int colour);
     void (*light_box)(const LightBox &);
 };
 

@@ -5,15 +5,15 @@
 
 #include "maps/map_view.hpp"
 #include "media/medium_view.hpp"
+#include "rays/curve_lanes.hpp"
+#include "rays/series_lanes.hpp"
 #include "text/lanes.hpp"
 #include "text/lights_text.hpp"
-#include "text/rays_text.hpp"
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
 using LightsText = text::LightsText<Real, Isa>;
-using RaysText = text::RaysText<Real, Isa>;
 
 // A position between eight cell centres.
 struct Cell {
@@ -103,15 +103,39 @@ inline vec3 place_on(const LightMapView &map, const vec3 &world) {
             (sqrt(dot(p, p)) - map.low[2]) * map.scale[2]};
 }
 
-// The column density between the light and depth z. Before a ray's range it is 0, beyond it the total; sideways of the
-// map the outermost texels, which are empty, answer. Each texel's ray has a range of its own, so what is filtered is
-// the four column densities, not the coefficients.
-inline Real column_density(const LightMapView &map, const Texels &texels, Real z) {
+// The numbers of a series in one texel, and between four.
+struct TexelNumbers {
+    const float *numbers; // number k of the first texel at k
+    Index first;
+
+    [[nodiscard]] Real operator()(int k) const { return gather(numbers + k, first); }
+    [[nodiscard]] Real operator()(Index k) const { return gather(numbers, first + k); }
+};
+
+struct BlendedNumbers {
+    const float *numbers;
+    const Texels &texels;
+    int stride;
+
+    template <typename Number>
+    [[nodiscard]] Real operator()(Number k) const {
+        Real values[4];
+        for (int t = 0; t < 4; ++t) {
+            values[t] = TexelNumbers{numbers, texels.at[t] * Index(stride)}(k);
+        }
+        return bilinear(texels, values);
+    }
+};
+
+// Where each texel's ray has a range of its own, what is filtered is the four column densities, not the coefficients.
+template <BasisName BASIS>
+inline Real own_column(const LightMapView &map, const Texels &texels, Real z) {
+    constexpr int HEAD = LightMapView::OWN_HEAD;
     Index first[4];
     Real columns[4], d[4];
     Mask ready(true); // the constant term is the whole answer: beyond all smoke, where a floor mostly is, or before it
     for (int t = 0; t < 4; ++t) {
-        first[t] = texels.at[t] * Index(map.stride());
+        first[t] = texels.at[t] * Index(HEAD + map.count - 1);
         columns[t] = gather(map.coefficients, first[t]);
         const Real low = gather(map.coefficients + 1, first[t]);
         d[t] = clamp((z - low) * gather(map.coefficients + 2, first[t]), 0.0F, 1.0F);
@@ -124,18 +148,69 @@ inline Real column_density(const LightMapView &map, const Texels &texels, Real z
         return bilinear(texels, columns);
     }
     for (int t = 0; t < 4; ++t) {
-        const Real cosine = cos(0.5F * TWO_PI * d[t]), twice = cosine + cosine;
-        Real sum = 0.0F, after = 0.0F;
-        for (int k = map.count - 1; k >= 1; --k) {
-            const Real next =
-                RaysText().clenshaw(gather(map.coefficients + HEAD_FLOATS + k - 1, first[t]), twice, sum, after);
-            after = sum;
-            sum = next;
-        }
-        const Real sine = sqrt(max(1.0F - cosine * cosine, 0.0F)); // of an angle in [0, pi]
-        columns[t] = clamp(columns[t] * d[t] + sum * sine, 0.0F, columns[t]);
+        const TexelNumbers numbers{map.coefficients + HEAD - 1, first[t]};
+        columns[t] = integral_of<BASIS>(columns[t], map.count, d[t], numbers, map.tables);
     }
     return bilinear(texels, columns);
+}
+
+// Where they share one, filtered coefficients are one series.
+template <BasisName BASIS>
+inline Real shared_column(const LightMapView &map, const Texels &texels, Real z) {
+    const BlendedNumbers numbers{map.coefficients + LightMapView::SHARED_HEAD - 1, texels, map.stride()};
+    const Real total = max(numbers(0), 0.0F), d = clamp(z, 0.0F, 1.0F);
+    const Mask ready = (d <= 0.0F) | (d >= 1.0F) | (total <= 0.0F);
+    return xsimd::all(ready) ? total * d : integral_of<BASIS>(total, map.count, d, numbers, map.tables);
+}
+
+// A curve is read as transmittance and filtered as that.
+inline Real curve_column(const LightMapView &map, const Texels &texels, Real z, int colour) {
+    const int at = std::min(colour, map.colours - 1);
+    Real light[4];
+    for (int t = 0; t < 4; ++t) {
+        const Index curve = texels.at[t] * Index(map.colours) + Index(at);
+        light[t] = curve_at(map.curves, curve * Index(RAY_WORDS), z);
+    }
+    return -log(clamp(bilinear(texels, light), 1e-37F, 1.0F)) * map.per_depth[at];
+}
+
+// Not inlined, and with places by value, so that the usual map is read as if there were no other.
+[[gnu::noinline]] Real other_column(const LightMapView &map, Real x, Real y, Real z, int colour) {
+    const Texels texels = locate(map, x, y);
+    if (map.curves != nullptr) {
+        return curve_column(map, texels, z, colour);
+    }
+    const bool own = !map.shared;
+    switch (map.basis) {
+    case FOURIER:
+        return own ? own_column<FOURIER>(map, texels, z) : shared_column<FOURIER>(map, texels, z);
+    case COSINE:
+        return shared_column<COSINE>(map, texels, z);
+    case PIECEWISE:
+        return own ? own_column<PIECEWISE>(map, texels, z) : shared_column<PIECEWISE>(map, texels, z);
+    case LEARNED:
+        return own ? own_column<LEARNED>(map, texels, z) : shared_column<LEARNED>(map, texels, z);
+    }
+    return 0.0F;
+}
+
+// The column density between the light and a place on the map, whose texels are these, as light of a colour meets it.
+// Before a ray's range it is 0, beyond it the total; sideways of the map the outermost texels, which are empty, answer.
+inline Real column_density(const LightMapView &map, const Texels &texels, const vec3 &place, int colour) {
+    const bool usual = map.basis == COSINE && !map.shared && map.curves == nullptr;
+    return usual ? own_column<COSINE>(map, texels, place.z) : other_column(map, place.x, place.y, place.z, colour);
+}
+
+// Adds the optical depth between the light and the place in each of the colours.
+inline void add_optical_depth(const LightMapView &map, const Texels &texels, const vec3 &place, const float *extinction,
+                              int colours, Real *depth) {
+    Real column = column_density(map, texels, place, 0);
+    for (int c = 0; c < colours; ++c) {
+        if (c > 0 && map.colours > 1) {
+            column = column_density(map, texels, place, c);
+        }
+        depth[c] = depth[c] + column * extinction[c];
+    }
 }
 
 } // namespace

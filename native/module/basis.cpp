@@ -15,13 +15,6 @@ using namespace arguments;
 
 using BasisArgument = std::variant<std::string, const Series *>;
 
-void require_coefficients(const Basis &basis, std::size_t count) {
-    if (count < 1 || (basis.odd && count % 2 == 0)) {
-        throw py::value_error("coefficients is " + std::to_string(count) + ", but must be " +
-                              (basis.odd ? "odd and at least 1: a constant and pairs of harmonics" : "at least 1"));
-    }
-}
-
 Series series_of(const BasisArgument &basis, std::optional<std::size_t> count) {
     if (const auto *learned = std::get_if<const Series *>(&basis)) {
         if (*learned == nullptr) {

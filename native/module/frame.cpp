@@ -4,6 +4,7 @@
 
 #include "module/arguments.hpp"
 #include "module/parts.hpp"
+#include "module/rays.hpp"
 #include "module/scene_parts.hpp"
 
 #include <pybind11/functional.h>
@@ -14,16 +15,40 @@ namespace {
 
 using namespace arguments;
 
-Frame make_frame(const ConsoleScene &scene, int coefficients, double texels_per_cell, double steps_per_cell,
-                 int light_samples, const std::shared_ptr<Prepared> &prepared) {
-    require_range(coefficients, 1, 63, "coefficients");
+FrameSettings settings_of(std::optional<int> coefficients, const std::string &basis, const std::string &ranges) {
+    FrameSettings settings;
+    const auto form = one_of<5>(basis, {"fourier", "cosine", "piecewise", "learned", "curve"}, "basis");
+    settings.shared_ranges = one_of<2>(ranges, {"own", "shared"}, "ranges") == 1;
+    settings.curved = form > LEARNED;
+    if (settings.curved) {
+        if (coefficients) {
+            throw py::value_error("coefficients is " + std::to_string(*coefficients) +
+                                  ", but the basis is 'curve', which has none");
+        }
+        if (settings.shared_ranges) {
+            throw py::value_error("ranges is 'shared', but the basis is 'curve': each curve has its own range");
+        }
+        return settings;
+    }
+    settings.basis = static_cast<BasisName>(form);
+    settings.coefficients = coefficients.value_or(settings.coefficients);
+    require_range(settings.coefficients, 1, 63, "coefficients");
+    require_coefficients(BASES[settings.basis], static_cast<std::size_t>(settings.coefficients));
+    return settings;
+}
+
+Frame make_frame(const ConsoleScene &scene, std::optional<int> coefficients, double texels_per_cell,
+                 double steps_per_cell, int light_samples, const std::shared_ptr<Prepared> &prepared,
+                 const std::string &basis, const std::string &ranges) {
+    FrameSettings settings = settings_of(coefficients, basis, ranges);
     require_range(texels_per_cell, 0.05, 8.0, "texels_per_cell");
     require_range(steps_per_cell, 0.05, 64.0, "steps_per_cell");
     require_range(light_samples, 1, 1024, "light_samples");
+    settings.texels_per_cell = texels_per_cell;
+    settings.steps_per_cell = steps_per_cell;
+    settings.light_samples = light_samples;
     const py::gil_scoped_release unlocked;
-    return {scene,
-            {coefficients, texels_per_cell, steps_per_cell, light_samples},
-            prepared ? prepared : std::make_shared<Prepared>()};
+    return {scene, settings, prepared ? prepared : std::make_shared<Prepared>()};
 }
 
 void require_size(int width, int height) {
@@ -106,27 +131,6 @@ py::object glance(const Frame &frame, const Camera &camera, int width, int heigh
     return to_numpy(std::move(values), {height, width, 4});
 }
 
-py::array_t<float> density_of(const CroppedMedium &medium) {
-    const glm::ivec3 n = medium.grid->resolution;
-    py::array_t<float> out({n.z, n.y, n.x});
-    copy_cells(*medium.grid, medium.grid->density, 1,
-               std::span(out.mutable_data(), static_cast<std::size_t>(out.size())));
-    return out;
-}
-
-py::array_t<float> light_of(const CroppedMedium &medium) {
-    const glm::ivec3 n = medium.grid->resolution;
-    py::array_t<float> out({static_cast<py::ssize_t>(medium.light.size()), py::ssize_t{n.z}, py::ssize_t{n.y},
-                            py::ssize_t{n.x}, py::ssize_t{medium.light_channels}});
-    std::span<float> left(out.mutable_data(), static_cast<std::size_t>(out.size()));
-    const std::size_t floats = medium.light.empty() ? 0 : left.size() / medium.light.size();
-    for (const auto &volume : medium.light) {
-        copy_cells(*medium.grid, *volume, medium.light_channels, left.first(floats));
-        left = left.subspan(floats);
-    }
-    return out;
-}
-
 void require_light(const Frame &frame, int light) {
     const auto count = static_cast<int>(frame.lighting().views().size());
     if (light < 0 || light >= count) {
@@ -172,46 +176,6 @@ py::array_t<float> transmittance_at(const Frame &frame, const Floats &points, in
 } // namespace
 
 void bind_frame(py::module_ &m) {
-    py::class_<CroppedMedium>(m, "LitMedium", "A body of smoke of a frame, cropped, with the light that reaches it.")
-        .def_property_readonly("density", &density_of, "(nz, ny, nx). A copy.")
-        .def_property_readonly(
-            "light", &light_of,
-            "(lights, nz, ny, nx, c): the optical depth towards each light, in the one colour of grey "
-            "smoke or in three, and the share of the light's falloff that passes solids and the edges "
-            "of its cone. A copy.")
-        .def_property_readonly(
-            "grid_to_world", [](const CroppedMedium &s) { return to_numpy(s.grid_to_world); },
-            "(4, 4): from cells to metres in world space.")
-        .def_property_readonly(
-            "clearance",
-            [](const CroppedMedium &s) {
-                const Grid &grid = *s.grid;
-                return to_numpy(grid.clearance, {grid.bricks.z, grid.bricks.y, grid.bricks.x});
-            },
-            "(bz, by, bx), for each brick of 4^3 cells: negative where smoke may be met, else the number of cells "
-            "that are surely empty in every direction.")
-        .def_property_readonly(
-            "extinction", [](const CroppedMedium &s) { return to_numpy(s.extinction); },
-            "(3,), per metre and unit density.")
-        .def_property_readonly(
-            "scattering", [](const CroppedMedium &s) { return to_numpy(s.scattering); },
-            "(3,), per metre and unit density.")
-        .def_readonly("anisotropy", &CroppedMedium::anisotropy, "g of Henyey and Greenstein (1941).");
-
-    py::class_<LightMap>(m, "LightMap", "Column density along the rays of a light.")
-        .def_property_readonly(
-            "coefficients",
-            [](const LightMap &s) {
-                return to_numpy(s.coefficients, {s.size.y, s.size.x, s.view().stride()});
-            },
-            "(height, width, n + 2): of each ray the whole column density, the depth where its range begins and one "
-            "over "
-            "the range's extent, and a_k / (pi k), k = 1, ..., of its half-range cosine series. A copy.")
-        .def_property_readonly(
-            "world_to_light", [](const LightMap &s) { return to_numpy(s.world_to_light); },
-            "(4, 4): of a sun's map, to x and y across it and z along the light, all in [0, 1]; of others, to a frame "
-            "with the light at the origin.");
-
     py::class_<Prepared, std::shared_ptr<Prepared>>(m, "Prepared",
                                                     R"(What outlives a frame: the meshes, light maps and lit
 smoke of the last one, and the threads that make them, as many as `threads` says, or all for 0. Of the next frame only
@@ -245,9 +209,12 @@ what has changed is made.
 
     py::class_<Frame>(m, "Frame", R"(Everything about a scene that does not depend on the camera, computed once.
 
-coefficients (1 to 63) of each texel of the light maps; texels_per_cell and steps_per_cell relate the maps'
-resolution and the march along view rays to the cells of the smoke; light_samples, the most points at which a light is
-sampled that is large enough to blur the smoke's shadow. What `prepared`, a Prepared, knows from an earlier frame is not
+The light maps keep what `basis` says of each ray: coefficients (1 to 63; by default 15) of 'cosine', 'fourier' (an odd
+number), 'piecewise' or 'learned', as project makes them, or a 'curve' (RayStorage), which has none. ranges 'own': each
+ray's series spans the ray's own smoke; 'shared': the map's whole depth, so that coefficients filter: a large light has
+one map, and a filter stands for its size.
+texels_per_cell and steps_per_cell relate the maps' resolution and the march along view rays to the cells of the smoke;
+light_samples, the most points at which a light is sampled that is large enough to blur the smoke's shadow. What `prepared`, a Prepared, knows from an earlier frame is not
 made again.
 
 >>> import numpy as np
@@ -256,10 +223,11 @@ made again.
 >>> Frame(scene).render(Camera(np.eye(4)), width=2, height=1)[0, 0].tolist()
 [0.25, 0.5, 1.0, 0.0]
 )")
-        .def(py::init(&make_frame), py::arg("scene"), py::arg("coefficients") = FrameSettings{}.coefficients,
+        .def(py::init(&make_frame), py::arg("scene"), py::arg("coefficients") = py::none(),
              py::arg("texels_per_cell") = FrameSettings{}.texels_per_cell,
              py::arg("steps_per_cell") = FrameSettings{}.steps_per_cell,
-             py::arg("light_samples") = FrameSettings{}.light_samples, py::arg("prepared") = py::none())
+             py::arg("light_samples") = FrameSettings{}.light_samples, py::arg("prepared") = py::none(),
+             py::arg("basis") = BASES[FrameSettings{}.basis].name, py::arg("ranges") = "own")
         .def("render", &render, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("edge_samples") = 16,
              py::arg("progress") = py::none(),
              R"(The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom.
@@ -338,7 +306,7 @@ it. Raises ValueError where there is no such light, sample or medium.
 >>> scene.add_medium(np.ones((4, 4, 4)), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
 >>> scene.add_sun((0, 0, -1), (4, 4, 4))
 >>> Frame(scene, coefficients=7).light_map().coefficients.shape
-(8, 8, 9)
+(8, 8, 7)
 )")
         .def_property_readonly("lights", &lights_of,
                                R"((n, 3, 4) float32: direction and 1 for a sun, else 0; position and

@@ -48,5 +48,6 @@ ValueError: path 'missing.vdb' cannot be read: ...
     bind_scene_parts(m);
     bind_scene(m);
     bind_reference(m);
+    bind_frame_parts(m);
     bind_frame(m);
 }

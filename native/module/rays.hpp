@@ -50,6 +50,13 @@ inline RangeKind range_kind(const std::string &kind) {
     return static_cast<RangeKind>(one_of<5>(kind, {"whole", "minmax", "moments", "both", "trimmed"}, "kind"));
 }
 
+inline void require_coefficients(const Basis &basis, std::size_t count) {
+    if (count < 1 || (basis.odd && count % 2 == 0)) {
+        throw py::value_error("coefficients is " + std::to_string(count) + ", but must be " +
+                              (basis.odd ? "odd and at least 1: a constant and pairs of harmonics" : "at least 1"));
+    }
+}
+
 // Checked absorbers of many rays.
 struct Rays {
     Rays(const py::object &depth, const py::object &optical_depth, float slab_width)

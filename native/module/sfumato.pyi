@@ -20,11 +20,13 @@ class Frame:
     def __init__(
         self,
         scene: Scene,
-        coefficients: int = 15,
+        coefficients: int | None = None,
         texels_per_cell: float = 1.0,
         steps_per_cell: float = 1.0,
         light_samples: int = 16,
         prepared: Prepared | None = None,
+        basis: str = "cosine",
+        ranges: str = "own",
     ) -> None: ...
     def glance(
         self,
@@ -122,12 +124,28 @@ class LearnedBasis:
         """(coefficients, cells + 1): G_k at the edges of the cells, straight between them."""
 
 class LightMap:
-    """Column density along the rays of a light."""
+    """What smoke there is along the rays of a light, of a frame."""
 
     @property
+    def basis(self) -> Any:
+        """As transmittance takes it: its name, a LearnedBasis, or 'curve', of RayStorage."""
+    @property
+    def bytes(self) -> int:
+        """What the map takes, without its solids."""
+    @property
     def coefficients(self) -> NDArray[numpy.float32]:
-        """(height, width, n + 2): of each ray the whole column density, the depth where its range begins and one
-        over the range's extent, and a_k / (pi k), k = 1, ..., of its half-range cosine series. A copy.
+        """(height, width, n): of each ray's column density, metres times density, as project makes them. A copy.
+        Raises ValueError of curves.
+        """
+    @property
+    def range(self) -> NDArray[numpy.float32]:
+        """(height, width, 2): low and high of each ray's series, as project takes them. A copy. Raises ValueError of
+        curves.
+        """
+    @property
+    def texels(self) -> NDArray[numpy.uint8]:
+        """(height, width, colours, 20) uint8: curves of optical depth, in the one colour of grey smoke or in three,
+        as RayStorage stores them. A copy. Raises ValueError of series.
         """
     @property
     def world_to_light(self) -> NDArray[numpy.float64]:

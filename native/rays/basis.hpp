@@ -33,6 +33,12 @@ struct Tables {
     std::vector<float> f, g;
 };
 
+// The same for kernels.
+struct TablesView {
+    int cells = 0;
+    const float *g = nullptr;
+};
+
 struct Basis {
     const char *name;
     bool odd;     // a constant and pairs

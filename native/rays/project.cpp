@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 namespace sfumato {
 namespace {
@@ -45,30 +46,46 @@ void project_slices(const Absorbers &absorbers, const Range &range, float width,
     const float scale = n / std::max(range.high - range.low, 1e-7F), reach = 0.5F * n * width;
     const bool flat = reach < 5e-4F;
     const float share = flat ? 1.0F : 0.5F / reach;
-    const auto slice = [n](float x) { return static_cast<std::size_t>(std::clamp(x, 0.0F, n - 0.5F)); };
+    const auto slice = [n](float x) { return static_cast<std::size_t>(std::min(x, n - 0.5F)); };
+    const auto spread = [&](float near, float far, float density) {
+        for (std::size_t k = slice(near), last = slice(far); k <= last; ++k) {
+            const auto front = static_cast<float>(k);
+            coefficients[k] += density * (std::min(far, front + 1.0F) - std::max(near, front));
+        }
+    };
     for (std::size_t i = 0; flat && i < absorbers.depth.size(); ++i) {
-        coefficients[slice((absorbers.depth[i] - range.low) * scale)] += absorbers.tau[i];
+        coefficients[slice(std::max((absorbers.depth[i] - range.low) * scale, 0.0F))] += absorbers.tau[i];
     }
     for (std::size_t i = 0; !flat && i < absorbers.depth.size(); ++i) {
         const float x = std::clamp((absorbers.depth[i] - range.low) * scale, 0.0F, n), tau = absorbers.tau[i];
-        for (std::size_t k = slice(x - reach), last = slice(x + reach); k <= last; ++k) {
-            const auto front = static_cast<float>(k);
-            coefficients[k] += tau * share * (std::min(x + reach, front + 1.0F) - std::max(x - reach, front));
+        if (x >= reach && x <= n - reach) {
+            spread(x - reach, x + reach, tau * share);
+        } else { // what is outside lies at the ends
+            const float near = std::max(x - reach, 0.0F), far = std::min(x + reach, n);
+            spread(near, far, tau / (far - near));
         }
     }
 }
 
-void project_tables(const Series &series, const Absorbers &absorbers, const Range &range, float width,
+// Each F_k steps from cell to cell, so what counts is how much lies in each cell. Sums in parts, which need not wait
+// for each other.
+void project_tables(const Tables &tables, const Absorbers &absorbers, const Range &range, float width,
                     std::span<float> coefficients) {
-    RaysText::DepthRange depths;
-    depths.low = range.low;
-    depths.high = range.high;
-    std::vector<float> f(coefficients.size());
-    for (std::size_t i = 0; i < absorbers.depth.size(); ++i) {
-        series.basis().density(RaysText().relative_depth(depths, absorbers.depth[i]), width, f, series.tables);
-        for (std::size_t k = 0; k < f.size(); ++k) {
-            coefficients[k] += absorbers.tau[i] * f[k];
+    constexpr std::size_t PARTS = 16;
+    std::vector<float> cells(tables.cells, 0.0F);
+    project_slices(absorbers, range, width, cells);
+    for (std::size_t k = 0; k < coefficients.size(); ++k) {
+        const float *const f = tables.f.data() + k * tables.cells;
+        std::array<float, PARTS> sums{};
+        for (std::size_t cell = 0; cell + PARTS <= tables.cells; cell += PARTS) {
+            for (std::size_t part = 0; part < PARTS; ++part) {
+                sums[part] += f[cell + part] * cells[cell + part];
+            }
         }
+        for (std::size_t cell = tables.cells / PARTS * PARTS; cell < tables.cells; ++cell) {
+            sums[cell % PARTS] += f[cell] * cells[cell];
+        }
+        coefficients[k] += std::accumulate(sums.begin(), sums.end(), 0.0F);
     }
 }
 
@@ -85,7 +102,7 @@ void project(const Series &series, const Absorbers &absorbers, const Range &rang
         project_slices(absorbers, range, width, coefficients);
         break;
     case LEARNED:
-        project_tables(series, absorbers, range, width, coefficients);
+        project_tables(series.tables, absorbers, range, width, coefficients);
         break;
     }
 }

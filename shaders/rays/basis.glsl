@@ -18,6 +18,13 @@ float integral_half_harmonic(float a, Harmonic half_harmonic, float k)
   return a * half_harmonic.sine / (0.5f * TWO_PI * k);
 }
 
+// cos (k + 1) x from the last two of them, 2 cos x cos k x - cos (k - 1) x: a quarter of the work of next_harmonic(), but
+// the error grows with k^2.
+float next_cosine(float two_cosine, float here, float last)
+{
+  return two_cosine * here - last;
+}
+
 // A whole series of sines for the price of one: sum_k c_k sin(k x) = s_1 sin x, where s_k = c_k + 2 cos x s_{k+1} -
 // s_{k+2}, from the last coefficient to the first (Clenshaw, "A note on the summation of Chebyshev series", 1955).
 // With c_k = a_k / (pi k) and x = pi d that is the cosine basis, less its constant term.
@@ -35,9 +42,11 @@ float slice_integral(float k, float n, float d)
 
 float slice_share(float k, float n, float front, float back)
 {
-  float width = n * (back - front);
-  float share = (slice_integral(k, n, back) - slice_integral(k, n, front)) / max(width, 1e-4f);
-  float cell = min(floor(0.5f * n * (front + back)), n - 1.0f);
+  float near = clamp(front, 0.0f, 1.0f);
+  float far = clamp(back, 0.0f, 1.0f);
+  float width = n * (far - near);
+  float share = (slice_integral(k, n, far) - slice_integral(k, n, near)) / max(width, 1e-4f);
+  float cell = min(floor(0.5f * n * (near + far)), n - 1.0f);
   return pick(width < 1e-3f, pick(cell < k, 0.0f, pick(cell > k, 0.0f, 1.0f)), share);
 }
 

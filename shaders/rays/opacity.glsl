@@ -59,15 +59,20 @@ float optical_depth_of(float alpha)
   return -log(1.0f - min(alpha, 0.99999905f));
 }
 
-// Eq 3, term by term: the constant term, and the k-th harmonic pair.
+// Eq 3, term by term: the constant term, and the k-th harmonic pair, with 2 pi k divided out before or not.
 float integral_constant(float a0, float d)
 {
   return 0.5f * a0 * d;
 }
 
+float integral_of_pair(float a, float b, Harmonic h)
+{
+  return a * h.sine + b * (1.0f - h.cosine);
+}
+
 float integral_harmonic(float a, float b, Harmonic h, float k)
 {
-  return (a * h.sine + b * (1.0f - h.cosine)) / (TWO_PI * k);
+  return integral_of_pair(a, b, h) / (TWO_PI * k);
 }
 
 // A receiver that casts too, such as a strand of hair, is among the absorbers, and the series smears its own absorption

@@ -49,6 +49,13 @@ class LightRow(Row):
     true_error: float  # without the golden's noise, which is independent of the rival's
 
 
+class BasisRow(Row):
+    """A frame with light maps of one basis: `bytes` of them, `seconds` of one processor for the frame and its picture."""
+
+    series_error: float  # against the same frame with many coefficients: the basis's own share
+    frame_seconds: float  # without the picture: maps and lit smoke
+
+
 class VersionRow(Row):
     """One lamp or material in one Blender: `error` is Sfumato's mean radiance over that of this Blender's Cycles, less 1."""
 

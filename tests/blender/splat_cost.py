@@ -109,7 +109,7 @@ def marches() -> None:
     maps = light_maps.LightMaps()
     print("\nThe sample's plume:")
     for count in (7, 31):
-        frame = sfumato.Frame(exported, coefficients=count)
+        frame = sfumato.Frame(exported, coefficients=count, basis="fourier", ranges="shared")
         medium, light_map = frame.media[0], frame.light_map()
         smoke, clearance, expected = medium.density, medium.clearance, light_map.coefficients
         density = gpu_shader.texture(smoke.shape[::-1], "R", smoke)

@@ -182,7 +182,7 @@ def test_parts_of_a_frame() -> None:
     np.testing.assert_allclose(medium.extinction, 1.5)
     np.testing.assert_allclose(medium.scattering, 1.0)
     assert medium.anisotropy == 0.25
-    assert light_map.coefficients.shape[2] == 9
+    assert light_map.coefficients.shape[2] == 7
     assert light_map.world_to_light.shape == (4, 4)
     assert frame.step_length == pytest.approx(0.5)
     (sun,) = frame.lights
@@ -227,7 +227,7 @@ def test_a_large_light_is_sampled_often_and_a_small_one_once() -> None:
     frame = Frame(scene, light_samples=8)
     assert frame.lights[:, 2, 3].tolist() == [1.0, 8.0, 8.0]
     assert frame.light_map(light=1, sample=7) is not None
-    assert frame.light_map(light=2, sample=7).coefficients.shape[2] == 17
+    assert frame.light_map(light=2, sample=7).coefficients.shape[2] == 15
 
 
 @pytest.mark.parametrize("shape", [(), (5,), (2, 3), (0,), (2, 0, 3)])

@@ -235,7 +235,7 @@ TEST(LightMap, OfThinCellsHasNoMoreTexelsThanTheyShow) {
 
 // At texel centres the look-up is the series: total d + sum c_k sin(k pi d), within the ray's range and its total.
 TEST(LightMap, LooksUpTheSeriesOnEveryInstructionSet) {
-    constexpr int SIDE = 5, COUNT = 15, STRIDE = HEAD_FLOATS + COUNT - 1;
+    constexpr int SIDE = 5, COUNT = 15, HEAD = 3, STRIDE = HEAD + COUNT - 1;
     std::mt19937 generator(5);
     std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
     std::vector<float> texels;
@@ -255,7 +255,7 @@ TEST(LightMap, LooksUpTheSeriesOnEveryInstructionSet) {
         const double d = std::clamp((double{z} - double{series[1]}) * double{series[2]}, 0.0, 1.0);
         double sum = double{series[0]} * d;
         for (int k = 1; k < COUNT; ++k) {
-            sum += double{series[HEAD_FLOATS + k - 1]} * std::sin(k * std::numbers::pi * d);
+            sum += double{series[HEAD + k - 1]} * std::sin(k * std::numbers::pi * d);
         }
         expected.push_back(std::clamp(sum, 0.0, double{series[0]}));
     }
@@ -266,7 +266,7 @@ TEST(LightMap, LooksUpTheSeriesOnEveryInstructionSet) {
     map.world_to_light = affine(glm::dmat4(1.0));
     for (const InstructionSet &set : instruction_sets()) {
         std::vector<float> columns(203, -1.0F);
-        map_kernels(set).look_up(map, points.data(), columns.data(), 203);
+        map_kernels(set).look_up(map, points.data(), columns.data(), 203, 0);
         for (std::size_t i = 0; i < 203; ++i) {
             EXPECT_NEAR(columns[i], expected[i], 1e-5) << set.name << ", point " << i;
         }

@@ -105,6 +105,13 @@ TEST_P(EveryBasis, ProjectsTheSumOfItsDensities) {
     }
 }
 
+// What of a slab, or of a whole one, lies outside the range counts at its ends, and is not lost.
+TEST_P(EveryBasis, HoldsTheTotalOfSlabsThatItsRangeCuts) {
+    const Profile ray{{0.1F, 0.25F, 0.3F, 0.69F, 0.72F, 0.95F}, {0.5F, 0.25F, 0.125F, 0.5F, 0.25F, 0.125F}, 0.11F};
+    const Series s = series();
+    EXPECT_NEAR(total_of(s, coefficients(s, ray, {0.25F, 0.7F})), 1.75, 1e-5);
+}
+
 TEST_P(EveryBasis, IsExactBeforeAndBehindItsRange) {
     for (const Range range : {Range{0.0F, 1.0F}, Range{0.25F, 0.75F}, Range{0.5F, 0.5F}}) {
         for (const Evaluator evaluator : {Evaluator::CLAMP, Evaluator::MONOTONE}) {
