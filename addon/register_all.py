@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import engine, log, props, ui
+from . import core, engine, log, props, ui
 from .view import overlay
 
 
@@ -13,6 +13,8 @@ def register() -> None:
     props.register()
     bpy.utils.register_class(engine.SfumatoEngine)
     ui.register()
+    if problem := core.problem():
+        log.replace("start", [problem])
     if not bpy.app.background:
         overlay.enable()
 
@@ -23,3 +25,4 @@ def unregister() -> None:
     bpy.utils.unregister_class(engine.SfumatoEngine)
     props.unregister()
     log.clear()
+    core.end_threads()

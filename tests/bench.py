@@ -191,6 +191,13 @@ def heavy(**options: Any) -> tuple[Sequence[Row], list[str]]:
         raise SystemExit(str(error)) from error
 
 
+def package() -> tuple[Sequence[Row], list[str]]:
+    """The module that packaging/release made, against the one of this build."""
+    from bench_package import package as both
+
+    return both()
+
+
 SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "arealights": area_lights,
     "bases": bases,
@@ -199,6 +206,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "heavy": heavy,
     "lightmaps": light_maps,
     "lights": lights,
+    "package": package,
     "versions": versions,
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The Python module. No arithmetic: arguments are checked, work is handed on, results are wrapped.
+#include "frame/libraries.hpp"
 #include "module/arguments.hpp"
 #include "module/parts.hpp"
 #include "module/scene_parts.hpp"
@@ -28,6 +29,7 @@ PYBIND11_MODULE(sfumato, m) {
               "integrals over area lights, which keep the precision that they are given. Values that cannot be used\n"
               "raise ValueError, which says which argument it was; what is no number at all raises TypeError.";
     m.attr("instruction_set") = instruction_set().name;
+    m.attr("interface") = SFUMATO_INTERFACE; // the hash of sfumato.pyi: what calls this was written for the same one
     bind_area_light(m);
     bind_basis(m);
     bind_map(m);
@@ -44,6 +46,24 @@ takes cells to the file's own space. Raises ValueError that names the file and t
 Traceback (most recent call last):
 ValueError: path 'missing.vdb' cannot be read: ...
 )");
+
+    m.def(
+        "library_problem", &library_problem,
+        R"(What is wrong with Embree or oneTBB as this process has them, or nothing: their versions are asked for, and one
+ray is traced.
+
+>>> library_problem()
+''
+)");
+    m.def("end_threads", &end_threads, py::call_guard<py::gil_scoped_release>(),
+          R"(Ends the threads that work for this module, until there is work again. False where a Prepared or a Frame is
+still there that has some. Done when Python exits, too.
+
+>>> end_threads()
+True
+)");
+    // Else they may still run while what they need goes with the process.
+    py::module_::import("atexit").attr("register")(m.attr("end_threads"));
 
     bind_scene_parts(m);
     bind_scene(m);

@@ -378,6 +378,11 @@ def emptiness(shape: Sequence[int], grid_to_world: ArrayLike, extinction: ArrayL
     takes for empty. shape (nz, ny, nx); extinction (3,), per metre and unit density; infinite where that is 0.
     """
 
+def end_threads() -> bool:
+    """Ends the threads that work for this module, until there is work again. False where a Prepared or a Frame is
+    still there that has some. Done when Python exits, too.
+    """
+
 def filter_map(coefficients: ArrayLike, width: float, kind: str = "box", range: ArrayLike | None = None) -> Any:
     """A map of coefficients, filtered along both axes: the coefficients of filtered density, whatever the basis
     (Jansen and Bavoil 2010, section 3).
@@ -390,6 +395,8 @@ def henyey_greenstein(cos_theta: ArrayLike, anisotropy: float = 0.0) -> Any:
 
 instruction_set: str
 
+interface: str
+
 def learn_basis(
     depth: ArrayLike,
     optical_depth: ArrayLike,
@@ -400,6 +407,11 @@ def learn_basis(
 ) -> LearnedBasis:
     """The basis in which rays like these need the fewest coefficients: Karhunen and Loeve's, of their cumulative
     optical depth on `cells` depths of each ray's range.
+    """
+
+def library_problem() -> str:
+    """What is wrong with Embree or oneTBB as this process has them, or nothing: their versions are asked for, and
+    one ray is traced.
     """
 
 def microfacet_ellipse(

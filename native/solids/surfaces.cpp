@@ -21,9 +21,15 @@ EmbreeDevice new_device(int threads) {
     return device;
 }
 
-void require_memory(RTCDevice device, const char *of) {
-    if (rtcGetDeviceError(device) == RTC_ERROR_OUT_OF_MEMORY) {
-        throw std::runtime_error(std::string("no memory for ") + of + " of the scene");
+// Rays pass through what Embree could not make, without a word.
+void require_made(RTCDevice device, const char *what) {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error == RTC_ERROR_OUT_OF_MEMORY) {
+        throw std::runtime_error(std::string("no memory for ") + what + " of the scene");
+    }
+    if (error != RTC_ERROR_NONE) {
+        throw std::runtime_error(std::string("Embree cannot use ") + what + " of the scene: error " +
+                                 std::to_string(static_cast<int>(error)));
     }
 }
 
@@ -127,7 +133,7 @@ Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape) : shape_(std:
     rtcAttachGeometry(scene_.get(), geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene_.get());
-    require_memory(device, "the triangles");
+    require_made(device, "the triangles");
 }
 
 Solids::Solids(int threads) : threads_(threads) {}
@@ -163,7 +169,7 @@ std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes) 
             }
         }
         rtcCommitScene(places.scene.get());
-        require_memory(device_.get(), "the triangles");
+        require_made(device_.get(), "the triangles");
         return places;
     });
 }

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ("addon", "blend_samples", "native", "shaders", "tests", ".ci")
+FOLDERS = ("addon", "blend_samples", "native", "packaging", "shaders", "tests", ".ci")
 CODE = {".cpp", ".hpp", ".inc", ".glsl", ".py", ".sh", ""}
 NOT_OURS = {"__pycache__", "plume_cache", "out", "goldens"}
 
@@ -137,7 +137,9 @@ def test_every_source_states_its_licence() -> None:
 
 
 def test_files_that_the_documentation_names_are_there() -> None:
-    named = re.compile(r"`((?:addon|blend_samples|docs|native|shaders|tests)/[\w./-]*|\.ci/run)[^`]*`|\]\(([\w./]+)\)")
+    named = re.compile(
+        r"`((?:addon|blend_samples|docs|native|packaging|shaders|tests)/[\w./-]*|\.ci/run)[^`]*`|\]\(([\w./]+)\)"
+    )
     missing = []
     for page in [ROOT / "README.md", ROOT / "ARCHITECTURE.md", *sorted((ROOT / "docs").glob("*.md"))]:
         for ours, link in named.findall(page.read_text(encoding="utf-8")):

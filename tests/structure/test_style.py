@@ -10,8 +10,16 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PYTHON = ("addon", "blend_samples", "docs", "native", "tests")
-SHELL = (".ci/run", "blend_samples/render", "tests/blender/start", "tests/matrix", "tests/run")
+PYTHON = ("addon", "blend_samples", "docs", "native", "packaging", "tests")
+SHELL = (
+    ".ci/run",
+    "blend_samples/render",
+    "packaging/release",
+    "packaging/third_party",
+    "tests/blender/start",
+    "tests/matrix",
+    "tests/run",
+)
 
 
 def tool(name: str) -> str:
@@ -28,7 +36,9 @@ def check(*command: str) -> None:
 
 
 def test_cpp_is_formatted() -> None:
-    files = [str(file) for folder in ("native", "tests") for file in sorted((ROOT / folder).rglob("*.[ch]pp"))]
+    files = [
+        str(file) for folder in ("native", "packaging", "tests") for file in sorted((ROOT / folder).rglob("*.[ch]pp"))
+    ]
     assert files
     check(tool("clang-format"), "--dry-run", "--Werror", *files)
 
