@@ -21,7 +21,8 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
     colour = np.maximum(colour, 0.0)
     forwards = -matrix[:3, 2]
     if light.type == "SUN":
-        scene.add_sun(forwards, colour * compat.size_factor(light), min(float(light.angle), 3.1415))
+        irradiance = colour * (compat.size_factor(light) * compat.sun_share(light))
+        scene.add_sun(forwards, irradiance, min(float(light.angle), 3.1415))
     elif light.type == "AREA":
         add_area(scene, light, matrix, colour)
     else:

@@ -15,7 +15,9 @@ it likes for that long.
 
 from __future__ import annotations
 
+import importlib
 import os
+import pkgutil
 import sys
 import time
 import traceback
@@ -74,9 +76,8 @@ def enable() -> None:
     """Switch the add-on on, as after every reading of factory settings; its modules answer under `sfumato` in any case."""
     if addon_utils.enable(ADDON, default_set=True) is None:
         raise RuntimeError(f"{ADDON} cannot be enabled")
-    for name, module in list(sys.modules.items()):
-        if name.startswith(f"{ADDON}."):
-            sys.modules["sfumato" + name.removeprefix(ADDON)] = module
+    for module in pkgutil.walk_packages(sys.modules[ADDON].__path__, f"{ADDON}."):
+        sys.modules["sfumato" + module.name.removeprefix(ADDON)] = importlib.import_module(module.name)
 
 
 def command(script: str | Path, blend: Path | None = None) -> list[str]:

@@ -12,8 +12,7 @@ from mathutils import Vector
 from sfumato import compat  # type: ignore[attr-defined]
 
 SIZE = (16, 9)
-# Kind, settings, scale. The soft ones are near and large, so that a disk that faces the floor is not a sphere. A sun as wide
-# as 0.5 Cycles 3.4 makes 1.6 % darker than the irradiance that it is given; one of 0.2, 0.25 %.
+# Kind, settings, scale. The soft ones are near and large, so that a disk that faces the floor is not a sphere.
 LIGHTS: dict[str, tuple[str, dict[str, object], tuple[float, float, float]]] = {
     "point": ("POINT", {"shadow_soft_size": 0.0}, (1.0, 1.0, 1.0)),
     "soft point": ("POINT", {"shadow_soft_size": 0.8}, (2.0, 1.5, 1.0)),
@@ -21,6 +20,7 @@ LIGHTS: dict[str, tuple[str, dict[str, object], tuple[float, float, float]]] = {
     "spot": ("SPOT", {"shadow_soft_size": 0.0, "spot_size": 2.5, "spot_blend": 0.2}, (1.0, 1.0, 1.0)),
     "sun": ("SUN", {"angle": 0.0}, (1.0, 1.0, 1.0)),
     "wide sun": ("SUN", {"angle": 0.2}, (2.0, 2.0, 2.0)),
+    "widest sun": ("SUN", {"angle": 1.2}, (1.0, 1.0, 1.0)),
     "rectangle": ("AREA", {"shape": "RECTANGLE", "size": 0.5, "size_y": 0.8}, (2.0, 1.5, 1.0)),
     "disk": ("AREA", {"shape": "DISK", "size": 0.9}, (1.0, 1.0, 1.0)),
     "warm point": ("POINT", {"exposure": 1.0, "use_temperature": True, "temperature": 3000.0}, (1.0, 1.0, 1.0)),
