@@ -32,7 +32,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
                 self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
                 return
             frame = scene.frame_of(depsgraph, "render", parts.of_render(settings))
-            window, offset, extent = border_of(settings.render, size)
+            window, extent = border_of(settings.render, size)
             image = frame.render(
                 core.module().Camera(window @ camera),
                 *extent,
@@ -47,7 +47,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
             return
         if not settings.render.film_transparent:
             image[..., 3] = 1.0
-        result = self.begin_result(*offset, *extent, layer=depsgraph.view_layer.name)
+        result = self.begin_result(0, 0, *extent, layer=depsgraph.view_layer.name)
         compat.set_pixels(result.layers[0], image)
         self.end_result(result)
 
@@ -74,8 +74,8 @@ class SfumatoEngine(bpy.types.RenderEngine):
 
 def image_size(render: Any) -> tuple[int, int]:
     """Pixels of the whole picture."""
-    share = render.resolution_percentage / 100.0
-    return max(1, int(render.resolution_x * share)), max(1, int(render.resolution_y * share))
+    width, height = (side * render.resolution_percentage // 100 for side in (render.resolution_x, render.resolution_y))
+    return max(1, width), max(1, height)
 
 
 def camera_of(settings: Any, depsgraph: Any) -> NDArray[np.float64] | None:
@@ -90,18 +90,20 @@ def camera_of(settings: Any, depsgraph: Any) -> NDArray[np.float64] | None:
     return np.array(projection, dtype=np.float64) @ np.array(view, dtype=np.float64)
 
 
-def border_of(render: Any, size: tuple[int, int]) -> tuple[NDArray[np.float64], tuple[int, int], tuple[int, int]]:
-    """The render border: a zoom of clip space onto it, its lower left pixel, its size in pixels."""
+def border_of(render: Any, size: tuple[int, int]) -> tuple[NDArray[np.float64], tuple[int, int]]:
+    """The render region: a zoom of clip space onto it, and its size in pixels. Blender puts a result that begins at
+    (0, 0) into the region by itself, cropped or not."""
     window = np.eye(4)
     if not render.use_border:
-        return window, (0, 0), size
-    low, high = [], []
+        return window, size
+    extent = []
     for axis, (pixels, first, last) in enumerate(
         zip(size, (render.border_min_x, render.border_min_y), (render.border_max_x, render.border_max_y))
     ):
-        low.append(min(int(first * pixels), pixels - 1))
-        high.append(max(int(last * pixels), low[axis] + 1))
-        window[axis, axis] = pixels / (high[axis] - low[axis])
-        window[axis, 3] = window[axis, axis] * (1.0 - (low[axis] + high[axis]) / pixels)
-    extent = high[0] - low[0], high[1] - low[1]
-    return window, ((low[0], low[1]) if not render.use_crop_to_border else (0, 0)), extent
+        # In single precision, as Blender counts them: a pixel more or less would shear the picture.
+        low = min(int(np.float32(first) * np.float32(pixels)), pixels - 1)
+        high = max(int(np.float32(last) * np.float32(pixels)), low + 1)
+        window[axis, axis] = pixels / (high - low)
+        window[axis, 3] = window[axis, axis] * (1.0 - (low + high) / pixels)
+        extent.append(high - low)
+    return window, (extent[0], extent[1])

@@ -10,15 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
+from . import materials
 
 
 def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list[str]) -> bool:
     """Add a light object to a native scene. False if it gives no light. Raises ValueError for one that cannot be."""
     light = thing.data
-    colour = compat.light_colour(light)
-    if not (colour > 0.0).any():
-        return False
+    if getattr(getattr(light, "cycles", None), "is_portal", False):
+        return False  # it only tells Cycles where the world shines in
+    colour = compat.light_colour(light) * emission_of(thing, notices)
+    if (colour < 0.0).any():
+        notices.append(f"{thing.name}: light that takes light away is not shown")
     colour = np.maximum(colour, 0.0)
+    if not colour.any():
+        return False
+    if not compat.casts_shadow(light):
+        notices.append(f"{thing.name}: its Shadow is off, but it casts one")
+    if compat.is_linked(thing):
+        notices.append(f"{thing.name}: its light linking is not followed; it lights everything")
     forwards = -matrix[:3, 2]
     if light.type == "SUN":
         irradiance = colour * (compat.size_factor(light) * compat.sun_share(light))
@@ -33,11 +42,35 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
     return True
 
 
+def emission_of(thing: Any, notices: list[str]) -> NDArray[np.float64]:
+    """What a light's nodes make of its colour and strength: each of them is multiplied by this."""
+    light = thing.data
+    if not light.use_nodes or light.node_tree is None:
+        return np.ones(3)
+    for output in light.node_tree.nodes:
+        if output.type == "OUTPUT_LIGHT" and output.is_active_output:
+            shader = materials.linked_node(output, "Surface")
+            if shader is None or shader.mute:
+                return np.zeros(3)
+            if shader.type == "EMISSION":
+                colour = materials.value_of(shader, "Color", thing.name, notices)
+                strength = materials.value_of(shader, "Strength", thing.name, notices)
+                emission: NDArray[np.float64] = colour * strength
+                return emission
+            notices.append(
+                f"{thing.name}: the node {shader.name} of its light is not shown; it shines as if it had none"
+            )
+            return np.ones(3)
+    return np.zeros(3)
+
+
 def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArray[np.float64]) -> None:
     """An area light of any of the four shapes."""
     ellipse = light.shape in {"DISK", "ELLIPSE"}
     size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
     across, up = matrix[:3, 0] * 0.5 * light.size, matrix[:3, 1] * 0.5 * size_y
+    if np.linalg.det(matrix[:3, :3]) < 0.0:
+        across = -across  # a mirrored lamp still shines along its own -Z
     area = (math.pi if ellipse else 4.0) * float(np.linalg.norm(across) * np.linalg.norm(up))
     if area < 1e-12:
         raise ValueError(f"its size {light.size:g} x {size_y:g}, scaled, leaves it no area")

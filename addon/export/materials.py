@@ -37,11 +37,21 @@ def linked_node(node: Any, socket: str) -> Any | None:
 
 
 def value_of(node: Any, name: str, owner: str, notices: list[str]) -> Any:
-    """The constant of an input; a link is noted and its default used."""
+    """The constant of an input, or of the node of one colour or value that is linked to it; of any other link it is noted
+    that the input's own value is used."""
     socket = node.inputs[name]
-    if socket.is_linked:
-        notices.append(f"{owner}: the link into '{name}' is not followed yet; its own value is used")
     value = socket.default_value
+    source = linked_node(node, name)
+    if source is not None and not source.mute and source.type in {"VALUE", "RGB"}:
+        constant = source.outputs[0].default_value
+        if source.type == "RGB" and not isinstance(value, (int, float, str)):
+            value = constant
+        elif source.type == "VALUE":
+            value = float(constant) if isinstance(value, (int, float)) else (float(constant),) * 3
+        else:
+            source = socket  # a colour for a number
+    if source is not None and source.type not in {"VALUE", "RGB"}:
+        notices.append(f"{owner}: the link into '{name}' is not followed yet; its own value is used")
     return value if isinstance(value, (int, float, str)) else np.array(value[:3], dtype=np.float64)
 
 

@@ -78,7 +78,8 @@ def export(depsgraph: Any, parts: Parts | None = None) -> Export:
     if lit > MOST_LIGHTS:
         out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
     add_media(out, media)
-    out.scene.set_background(materials.background(depsgraph.scene, out.notices))
+    if not depsgraph.scene.render.film_transparent:
+        out.scene.set_background(materials.background(depsgraph.scene, out.notices))
     parts.end_export()
     return out
 

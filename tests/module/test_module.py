@@ -391,7 +391,7 @@ def matrix(*, row: int, column: int, value: float) -> Array:
     return out
 
 
-INFINITE_FAR_PLANE = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]], dtype=np.float64)
+INFINITE_NEAR_PLANE = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.2], [0, 0, -1, 0]], dtype=np.float64)
 
 # What is wrong, the argument, and its value or shape, as the message must give them.
 REFUSALS: list[tuple[Callable[[], Any], str, str]] = [
@@ -470,7 +470,7 @@ REFUSALS: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: Camera(np.eye(3)), "view_projection", "(3, 3)"),
     (lambda: Camera(np.zeros((4, 4))), "view_projection", "0"),
     (lambda: Camera(matrix(row=0, column=0, value=NAN)), "view_projection", "nan"),
-    (lambda: Camera(INFINITE_FAR_PLANE), "view_projection", "infinity"),
+    (lambda: Camera(INFINITE_NEAR_PLANE), "view_projection", "infinity"),
     (wrong_frame(coefficients=0), "coefficients", "0"),
     (wrong_frame(coefficients=-3), "coefficients", "-3"),
     (wrong_frame(coefficients=65), "coefficients", "65"),

@@ -72,6 +72,30 @@ def test_border_is_a_part_of_the_whole() -> None:
     # Not bit for bit: which pixels count as edges is asked of neighbours, and a border cuts some away.
     difference = np.abs(part - whole[18:54, 40:120])[1:-1, 1:-1]
     assert np.sqrt((difference**2).mean()) < 0.02, np.sqrt((difference**2).mean())
+    render.use_crop_to_border = False
+    uncropped = pictures.render(SMALL)
+    assert uncropped.shape == (90, 160, 4) and np.array_equal(uncropped[18:54, 40:120], part)
+    uncropped[18:54, 40:120] = 0.0
+    assert not uncropped[..., :3].any(), "outside the region there is nothing"
+
+
+def test_sizes_are_whole_numbers_as_blenders_are() -> None:
+    """Of sizes and shares whose product is not exact in floating point; a row too few would stay black."""
+    harness.open_plume()
+    render = bpy.context.scene.render
+    for size, percentage in (((256, 144), 70), ((100, 100), 29), ((200, 100), 58), ((128, 72), 70)):
+        render.resolution_percentage = percentage
+        picture = pictures.render(size)
+        assert picture.shape[:2] == tuple(side * percentage // 100 for side in reversed(size))
+        assert picture[-1].any() and picture[:, -1].any() and (picture[..., 3] == 1.0).all()
+
+
+def test_clip_ranges_of_any_width() -> None:
+    harness.open_plume()
+    camera = bpy.context.scene.camera.data
+    usual = pictures.render(SMALL)
+    for camera.clip_start, camera.clip_end in ((1e-3, 1e5), (0.1, 1e7)):
+        assert np.abs(pictures.render(SMALL) - usual).max() < 2e-3
 
 
 def test_transparent_film() -> None:
@@ -80,7 +104,9 @@ def test_transparent_film() -> None:
         if thing.type == "MESH" and thing.name != smoke.name:
             bpy.data.objects.remove(thing)
     bpy.context.scene.render.film_transparent = True
-    alpha = pictures.render(SMALL)[..., 3]
+    picture = pictures.render(SMALL)
+    alpha = picture[..., 3]
+    assert picture[alpha == 0.0].max() < 1e-6, "the world's colour is left in pixels that show nothing"
     assert alpha.min() == 0.0 and 0.5 < alpha.max() <= 1.0, (alpha.min(), alpha.max())
     bpy.context.scene.render.film_transparent = False
     assert (pictures.render(SMALL)[..., 3] == 1.0).all()

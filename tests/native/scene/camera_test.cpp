@@ -64,7 +64,27 @@ TEST(Camera, RefusesMatricesWithoutRays) {
     EXPECT_THROW((void)camera_from(flat), std::invalid_argument);
     flat[2][2] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW((void)camera_from(flat), std::invalid_argument);
-    EXPECT_THROW((void)camera_from(glm::infinitePerspective(0.7, 1.0, 0.1)), std::invalid_argument);
+    glm::dmat4 reversed = glm::infinitePerspective(0.7, 1.0, 0.1); // near and far changed places
+    for (int column = 0; column < 4; ++column) {
+        reversed[column][2] = -reversed[column][2];
+    }
+    EXPECT_THROW((void)camera_from(reversed), std::invalid_argument);
+}
+
+// What a matrix in single precision makes of a far plane 1e8 times as far as the near one, or rounds to be beyond.
+TEST(Camera, WithAFarPlaneAtInfinityHasTheSameRays) {
+    for (const double beyond : {0.0, 1e-7}) {
+        glm::dmat4 endless = glm::infinitePerspective(0.7, 16.0 / 9.0, 0.1);
+        endless[2][2] += beyond;
+        const Camera camera = camera_from(endless * view), usual = camera_from(perspective);
+        for (const float u : {0.0F, 0.3F, 1.0F}) {
+            const CameraText::Ray ray = ray_of(camera, u, 0.8F), expected = ray_of(usual, u, 0.8F);
+            EXPECT_NEAR(glm::distance(ray.direction, expected.direction), 0.0F, 5e-6F);
+            EXPECT_NEAR(glm::distance(ray.origin, expected.origin), 0.0F, 1e-5F);
+            EXPECT_GT(ray.reach, 1e6F);
+            EXPECT_TRUE(std::isfinite(ray.reach));
+        }
+    }
 }
 
 constexpr float FAR_AWAY = 1000.0F;
