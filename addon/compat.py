@@ -99,8 +99,8 @@ def light_colour(light: Any) -> NDArray[np.float64]:
 
 def casts_shadow(light: Any) -> bool:
     """Cycles' own switch before 4.2, where Blender's became it."""
-    cycles = getattr(light, "cycles", None)
-    return bool(cycles.cast_shadow if hasattr(cycles, "cast_shadow") else light.use_shadow)
+    old = getattr(getattr(light, "cycles", None), "cast_shadow", None)
+    return bool(light.use_shadow if old is None else old)
 
 
 def is_linked(thing: Any) -> bool:
