@@ -31,7 +31,9 @@ class SfumatoEngine(bpy.types.RenderEngine):
             if camera is None:
                 self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
                 return
-            frame = scene.frame_of(depsgraph, "render", parts.of_render(settings))
+            # A farm sees an error, and a status of 1, rather than a picture that lacks its smoke.
+            whole = bpy.app.background and props.of(settings).missing_is_error
+            frame = scene.frame_of(depsgraph, "render", parts.of_render(settings), whole)
             window, extent = border_of(settings.render, size)
             image = frame.render(
                 core.module().Camera(window @ camera),

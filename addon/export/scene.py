@@ -24,6 +24,7 @@ class Export:
 
     scene: Any
     notices: list[str] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)  # of these, the smoke that should be there
 
 
 @dataclass
@@ -70,6 +71,8 @@ def export(depsgraph: Any, parts: Parts | None = None) -> Export:
         except ValueError as error:
             groups[key] = None
             out.notices.append(f"{thing.name}: {error}")
+            if isinstance(error, smoke.Missing):
+                out.missing.append(out.notices[-1])
     for group in groups.values():
         if group is not None:
             lit += add_surfaces(out, group, matrices[group.places])
@@ -84,14 +87,17 @@ def export(depsgraph: Any, parts: Parts | None = None) -> Export:
     return out
 
 
-def frame_of(depsgraph: Any, source: str, parts: Parts | None = None) -> Any:
+def frame_of(depsgraph: Any, source: str, parts: Parts | None = None, whole: bool = False) -> Any:
     """The native Frame of what `depsgraph` shows, in the scene's quality; its notices go to the log under `source`.
 
-    Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses.
+    Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses, and where it must be
+    `whole`, ValueError for smoke that is missing.
     """
     parts = parts or Parts()
     out = export(depsgraph, parts)
     log.replace(source, out.notices)
+    if whole and out.missing:
+        raise ValueError("; ".join(out.missing))
     quality = props.QUALITIES[props.of(depsgraph.scene).quality]
     return core.module().Frame(out.scene, **quality.frame, prepared=parts.native)
 
