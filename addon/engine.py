@@ -22,6 +22,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True  # Material Preview stays Blender's own, with the smoke over it: else both draw it
     # Made by view_update, drawn by view_draw; None where there is nothing to draw.
     view_frame: Any = None
+    view_filter: tuple[Any, ...] = ()
 
     def render(self, depsgraph: Any) -> None:
         settings = depsgraph.scene
@@ -54,13 +55,15 @@ class SfumatoEngine(bpy.types.RenderEngine):
         self.end_result(result)
 
     def view_update(self, context: Any, depsgraph: Any) -> None:
-        self.view_frame = None
+        self.view_frame, self.view_filter = None, scene.filter_of(context.space_data)
         try:
-            self.view_frame = scene.frame_of(depsgraph, "view", parts.of_views())
+            self.view_frame = scene.frame_of(depsgraph, "view", parts.of_views(), space=context.space_data)
         except (core.Missing, ValueError, RuntimeError) as error:
             log.replace("view", [str(error)])
 
     def view_draw(self, context: Any, depsgraph: Any) -> None:
+        if self.view_filter != scene.filter_of(context.space_data):  # of which no update tells
+            self.view_update(context, depsgraph)
         if self.view_frame is None:
             return
         try:
