@@ -161,6 +161,10 @@ def test_what_a_view_leaves_out_is_left_out() -> Iterator[float | None]:
     space, smoke = plume("SOLID")
     window, area, region = screen.viewport()
 
+    def hidden_type() -> None:
+        name = f"show_object_viewport_{smoke.type.lower()}"
+        setattr(space, name, not getattr(space, name))
+
     def local_view() -> None:
         bpy.ops.object.select_all(action="DESELECT")
         bpy.data.objects["Ball"].select_set(True)
@@ -170,19 +174,15 @@ def test_what_a_view_leaves_out_is_left_out() -> Iterator[float | None]:
     with screen.watched() as seen:
         yield from screen.drawn(seen)
         whole = seen[-1][0]
-        for hide, show in (
-            (lambda: setattr(space, f"show_object_viewport_{smoke.type.lower()}", False),
-             lambda: setattr(space, f"show_object_viewport_{smoke.type.lower()}", True)),
-            (local_view, local_view),
-        ):  # fmt: skip
-            hide()
+        for switch in (hidden_type, local_view):
+            switch()
             yield from screen.drawn(seen)
             without = seen[-1][0]
             bpy.context.scene.sfumato.viewport_enabled = False
             yield from screen.drawn(seen)
             assert np.array_equal(seen[-1][0], without)
             bpy.context.scene.sfumato.viewport_enabled = True
-            show()
+            switch()
             yield from screen.drawn(seen)
             assert np.abs(seen[-1][0] - whole).max() < 1e-3
 
