@@ -6,9 +6,11 @@ What cannot be shown is said in a notice; it never stops the rest.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
 from typing import Any
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,10 +45,17 @@ def filter_of(space: Any) -> tuple[Any, ...]:
     objects that are hidden in it. Nothing for a view that shows all."""
     if space is None:
         return ()
-    hidden = tuple(name for name in dir(space) if name.startswith("show_object_viewport_") and not getattr(space, name))
+    hidden = tuple(name for name in _type_switches() if not getattr(space, name))
     if space.local_view is None and not space.use_local_collections and not hidden:
         return ()
     return space.as_pointer(), space.local_view is not None, space.use_local_collections, hidden
+
+
+@functools.cache
+def _type_switches() -> tuple[str, ...]:
+    """The properties of a 3D view that hide objects of one type."""
+    names = bpy.types.SpaceView3D.bl_rna.properties.keys()
+    return tuple(name for name in names if name.startswith("show_object_viewport_"))
 
 
 def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Export:
