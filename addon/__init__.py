@@ -22,7 +22,18 @@ bl_info = {
 }
 
 
+def __dir__() -> list[str]:
+    """What Python's console and help() list: the numeric module's names, and the package's own."""
+    return sorted({*globals(), *_public_names()})
+
+
+def _public_names() -> list[str]:
+    return [] if core.problem() else [name for name in dir(core.module()) if not name.startswith("_")]
+
+
 def __getattr__(name: str) -> Any:
+    if name == "__all__" and (names := _public_names()):
+        return names
     if name.startswith("__"):
         raise AttributeError(name)
     try:

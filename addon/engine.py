@@ -22,6 +22,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True  # Material Preview stays Blender's own, with the smoke over it: else both draw it
     # Made by view_update, drawn by view_draw; None where there is nothing to draw.
     view_frame: Any = None
+    view_filter: tuple[Any, ...] = ()
 
     def render(self, depsgraph: Any) -> None:
         settings = depsgraph.scene
@@ -31,7 +32,9 @@ class SfumatoEngine(bpy.types.RenderEngine):
             if camera is None:
                 self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
                 return
-            frame = scene.frame_of(depsgraph, "render", parts.of_render(settings))
+            # A farm sees an error, and a status of 1, rather than a picture that lacks its smoke.
+            whole = bpy.app.background and props.of(settings).missing_is_error
+            frame = scene.frame_of(depsgraph, "render", parts.of_render(settings), whole)
             window, extent = border_of(settings.render, size)
             image = frame.render(
                 core.module().Camera(window @ camera),
@@ -52,13 +55,15 @@ class SfumatoEngine(bpy.types.RenderEngine):
         self.end_result(result)
 
     def view_update(self, context: Any, depsgraph: Any) -> None:
-        self.view_frame = None
+        self.view_frame, self.view_filter = None, scene.filter_of(context.space_data)
         try:
-            self.view_frame = scene.frame_of(depsgraph, "view", parts.of_views())
+            self.view_frame = scene.frame_of(depsgraph, "view", parts.of_views(), space=context.space_data)
         except (core.Missing, ValueError, RuntimeError) as error:
             log.replace("view", [str(error)])
 
     def view_draw(self, context: Any, depsgraph: Any) -> None:
+        if self.view_filter != scene.filter_of(context.space_data):  # of which no update tells
+            self.view_update(context, depsgraph)
         if self.view_frame is None:
             return
         try:

@@ -46,6 +46,12 @@ class SfumatoSettings(bpy.types.PropertyGroup):
         ),
         default="PREVIEW",
     )
+    missing_is_error: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Stop at Missing Smoke",
+        description="In renders without a window, a cache or a file that is missing at a frame is an error: the render "
+        "stops with status 1. Otherwise the frame is rendered without that smoke",
+        default=True,
+    )
 
 
 def register() -> None:

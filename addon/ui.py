@@ -90,6 +90,7 @@ class SfumatoRenderPanel(bpy.types.Panel):
         settings = props.of(context.scene)
         layout.prop(settings, "quality")
         layout.prop(settings, "viewport_enabled")
+        layout.prop(settings, "missing_is_error")
         draw_notices(layout, context.region.width)
 
 

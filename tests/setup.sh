@@ -25,18 +25,22 @@ say() { printf '\n== %s\n' "$*"; }
 usage() { sed -nE '3,/^[^#]|^$/s/^# ?//p' "$0"; }
 
 install_missing() {
-    local package missing=()
+    local package missing=() size log=$build/logs/packages.log
     for package in "$@"; do
         [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] || missing+=("$package")
     done
     ((${#missing[@]})) || return 0
-    say "Installing ${missing[*]}"
     if ((EUID)); then
         echo "Only root can install packages. Run: apt-get install --no-install-recommends ${missing[*]}" >&2
         return 1
     fi
     apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}"
+    size=$(LC_ALL=C apt-get install --assume-no --no-install-recommends "${missing[@]}" 2>/dev/null |
+        sed -nE 's/^Need to get ([0-9.,]+ .?B).*/\1/p') || true # it says no, as it is told to
+    say "Installing ${missing[*]} and what they need: ${size:-?} to fetch, a few minutes; messages in $log"
+    mkdir -p "$build/logs"
+    DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}" >"$log" 2>&1 ||
+        { tail -n 20 "$log" >&2 && return 1; }
 }
 
 # build_targets NAME...: `addon`, test programs, or `all`.

@@ -24,6 +24,7 @@ class Export:
 
     scene: Any
     notices: list[str] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)  # of these, the smoke that should be there
 
 
 @dataclass
@@ -37,19 +38,33 @@ class _Group:
     places: list[int] = field(default_factory=list)
 
 
-def export(depsgraph: Any, parts: Parts | None = None) -> Export:
-    """Everything that `depsgraph` shows, with what `parts` has of an earlier export. Raises core.Missing without the
-    native module."""
+def filter_of(space: Any) -> tuple[Any, ...]:
+    """What tells what a 3D view leaves out from what others do: in local view, by its own collections, by types of
+    objects that are hidden in it. Nothing for a view that shows all."""
+    if space is None:
+        return ()
+    hidden = tuple(name for name in dir(space) if name.startswith("show_object_viewport_") and not getattr(space, name))
+    if space.local_view is None and not space.use_local_collections and not hidden:
+        return ()
+    return space.as_pointer(), space.local_view is not None, space.use_local_collections, hidden
+
+
+def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Export:
+    """Everything that `depsgraph` shows, in a 3D view if there is one, with what `parts` has of an earlier export. Raises
+    core.Missing without the native module."""
     parts = parts or Parts()
     out = Export(core.module().Scene())
     lit = 0
     media: list[tuple[str, smoke.Medium]] = []
     groups: dict[tuple[int, int], _Group | None] = {}
     shown, matrices = compat.instance_matrices(depsgraph)
+    filtered = bool(filter_of(space))
     for number, instance in enumerate(depsgraph.object_instances):
         if not shown[number]:
             continue
         thing = instance.object
+        if filtered and not thing.visible_in_viewport_get(space):
+            continue
         key = _group_key(thing)
         if key in groups:
             group = groups[key]
@@ -70,6 +85,8 @@ def export(depsgraph: Any, parts: Parts | None = None) -> Export:
         except ValueError as error:
             groups[key] = None
             out.notices.append(f"{thing.name}: {error}")
+            if isinstance(error, smoke.Missing):
+                out.missing.append(out.notices[-1])
     for group in groups.values():
         if group is not None:
             lit += add_surfaces(out, group, matrices[group.places])
@@ -84,14 +101,18 @@ def export(depsgraph: Any, parts: Parts | None = None) -> Export:
     return out
 
 
-def frame_of(depsgraph: Any, source: str, parts: Parts | None = None) -> Any:
-    """The native Frame of what `depsgraph` shows, in the scene's quality; its notices go to the log under `source`.
+def frame_of(depsgraph: Any, source: str, parts: Parts | None = None, whole: bool = False, space: Any = None) -> Any:
+    """The native Frame of what `depsgraph` shows, in a 3D view if there is one, in the scene's quality; its notices go to
+    the log under `source`.
 
-    Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses.
+    Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses, and where it must be
+    `whole`, ValueError for smoke that is missing.
     """
     parts = parts or Parts()
-    out = export(depsgraph, parts)
+    out = export(depsgraph, parts, space)
     log.replace(source, out.notices)
+    if whole and out.missing:
+        raise ValueError("; ".join(out.missing))
     quality = props.QUALITIES[props.of(depsgraph.scene).quality]
     return core.module().Frame(out.scene, **quality.frame, prepared=parts.native)
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import tempfile
 from collections.abc import Iterator
@@ -29,6 +30,10 @@ class Medium:
     scattering: NDArray[np.float64]
     absorption: NDArray[np.float64]
     anisotropy: float
+
+
+class Missing(ValueError):
+    """Smoke that should be there at this frame: its cache or its file is not."""
 
 
 def domain_settings(thing: Any) -> Any | None:
@@ -137,7 +142,7 @@ def domain_grid(
     found = getattr(settings, _DOMAIN_GRIDS[attribute])
     cells = len(found)
     if cells == 0:
-        raise ValueError(missing)
+        raise _absence(settings, frame, missing)
     density = np.empty(cells, dtype=np.float32)
     found.foreach_get(density)
     resolution = np.array(settings.domain_resolution, dtype=np.int64)
@@ -147,13 +152,21 @@ def domain_grid(
     if finer < 1 or base * finer**3 != cells:
         raise ValueError(f"its grid of {cells} cells does not fit its resolution {tuple(resolution)}")
     if not density.any():
-        raise ValueError(missing)
+        raise _absence(settings, frame, missing)
     grid_to_object = np.diag([*(np.array(settings.cell_size) / finer), 1.0])
     # An adaptive domain shrinks to its smoke, and its settings do not say to where; its evaluated mesh does.
     corner = meshes.vertices_of(settings.id_data.data).min(axis=0) if settings.use_adaptive_domain else None
     grid_to_object[:3, 3] = settings.start_point if corner is None else corner
     nx, ny, nz = resolution * finer
     return density.reshape(nz, ny, nx), grid_to_object
+
+
+def _absence(settings: Any, frame: int, message: str) -> ValueError:
+    """Of a domain without smoke: it may not have any yet; or the cache of a frame that it should have is not there."""
+    folder = bpy.path.abspath(settings.cache_directory, library=settings.id_data.library)
+    cached = glob.glob(os.path.join(glob.escape(folder), "data", f"*_{frame:04d}.*"))
+    expected = settings.cache_frame_start <= frame <= settings.cache_frame_end
+    return Missing(message) if expected and not cached else ValueError(message)
 
 
 @contextmanager
@@ -184,12 +197,16 @@ def file_of(thing: Any) -> Iterator[tuple[str | None, bool]]:
 def _own_file(volume: Any) -> str | None:
     volume.grids.load()
     path: str = volume.grids.frame_filepath
-    if path or not volume.is_sequence:
-        return path or str(bpy.path.abspath(volume.filepath, library=volume.library))
+    if not volume.is_sequence:
+        path = path or str(bpy.path.abspath(volume.filepath, library=volume.library))
+        if not os.path.exists(path):
+            raise Missing(f"path '{path}' cannot be read: there is no such file")
+    if path:
+        return path
     if volume.grids.frame == _OUTSIDE:
         return None
     # Once a file was missing, `error_message` stays, and load() goes on to fail, at frames that are there.
-    raise ValueError(f"no smoke at frame {volume.grids.frame} of its sequence: {volume.grids.error_message}")
+    raise Missing(f"no smoke at frame {volume.grids.frame} of its sequence: {volume.grids.error_message}")
 
 
 _OUTSIDE = 2**31 - 1  # the frame of a sequence that is clipped

@@ -31,8 +31,7 @@ class _Overlay:
 
     def __init__(self) -> None:
         self.dirty = True
-        self._frame: Any = None
-        self._frame_key: tuple[Any, ...] = ()
+        self._frames: dict[tuple[Any, ...], Any] = {}  # of views that differ in what they show
         self._target: Any = None
         add = bpy.types.SpaceView3D.draw_handler_add
         self._handles = [add(self._before, (), "WINDOW", "PRE_VIEW"), add(self._after, (), "WINDOW", "POST_VIEW")]
@@ -43,7 +42,8 @@ class _Overlay:
         self._handles.clear()
 
     def forget(self) -> None:
-        self._frame, self._frame_key, self.dirty = None, (), True
+        self._frames.clear()
+        self.dirty = True
 
     def _before(self) -> None:
         """PRE_VIEW: the scene-linear target of Blender's picture is bound."""
@@ -76,11 +76,16 @@ class _Overlay:
             painter().dim_background(picture, exposure, _background(context))
 
     def _current_frame(self, context: bpy.types.Context) -> Any:
-        key = (context.scene.as_pointer(), context.view_layer.name, props.of(context.scene).quality)
-        if self.dirty or key != self._frame_key:
-            self.dirty, self._frame_key, self._frame = False, key, None  # a failure waits for the next change
-            self._frame = scene.frame_of(context.evaluated_depsgraph_get(), "viewport", parts.of_views())
-        return self._frame
+        if self.dirty:
+            self.dirty = False
+            self._frames.clear()
+        space, quality = context.space_data, props.of(context.scene).quality
+        key = (context.scene.as_pointer(), context.view_layer.name, quality, *scene.filter_of(space))
+        if key not in self._frames:
+            self._frames[key] = None  # a failure waits for the next change
+            depsgraph = context.evaluated_depsgraph_get()
+            self._frames[key] = scene.frame_of(depsgraph, "viewport", parts.of_views(), space=space)
+        return self._frames[key]
 
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:

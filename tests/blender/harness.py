@@ -24,6 +24,7 @@ import traceback
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from types import GeneratorType
+from typing import Any
 
 import addon_utils
 import bpy
@@ -95,6 +96,18 @@ def command(script: str | Path, blend: Path | None = None) -> list[str]:
         "--python-expr" if str(script).startswith("import") else "--python",
         str(script),
     ]
+
+
+def shade(data: Any, kind: str, socket: str = "Surface") -> bpy.types.ShaderNode:
+    """Give a mesh or a volume a new material of one shader node, which is the answer."""
+    material = bpy.data.materials.new(data.name)
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    shader, output = nodes.new(kind), nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(shader.outputs[0], output.inputs[socket])
+    data.materials.append(material)
+    return shader
 
 
 def open_plume(frame: int = 25) -> bpy.types.Object:

@@ -8,6 +8,7 @@ import inspect
 import math
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -753,3 +754,14 @@ def test_an_error_in_progress_reaches_the_caller() -> None:
 
     with pytest.raises(KeyError, match="mine"):
         picture(scene_of(), progress=fail)
+
+
+def test_the_readme_can_be_pasted_into_a_console() -> None:
+    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
+    block = readme.split("## In the console\n\n")[1].split("\n\n")[0]
+    lines = [line.removeprefix("    ") for line in block.splitlines()]
+    assert len(lines) > 8 and all(line.startswith("    ") for line in block.splitlines())
+    names: dict[str, Any] = {}
+    for line in lines:
+        exec(compile(line, "README.md", "single"), names)  # one statement after the other, as a console takes them
+    assert "march" in names["frame"].stages

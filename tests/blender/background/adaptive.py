@@ -41,17 +41,6 @@ def bake(folder: str) -> bpy.types.Object:
     return domain
 
 
-def shade(domain: bpy.types.Object) -> None:
-    material = bpy.data.materials.new("Smoke")
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    shader, output = nodes.new("ShaderNodeVolumePrincipled"), nodes.new("ShaderNodeOutputMaterial")
-    shader.inputs["Density"].default_value = 2.0
-    material.node_tree.links.new(shader.outputs["Volume"], output.inputs["Volume"])
-    domain.data.materials.append(material)
-
-
 def look() -> None:
     """From the front, in a sun from above; without a world, which lights nothing here."""
     scene, camera = bpy.context.scene, bpy.data.cameras.new("Camera")
@@ -80,7 +69,8 @@ def test_an_adaptive_domain_is_where_its_mesh_is() -> None:
         far = to_object @ [*density.shape[::-1], 1.0]
         assert np.allclose(far[:3], corners.max(axis=0), atol=1e-4)
         assert np.abs(to_object[:3, 3] - np.array(settings.start_point)).max() > 0.5, "it has not shrunk"
-        shade(domain)
+        shader = harness.shade(domain.data, "ShaderNodeVolumePrincipled", "Volume")
+        shader.inputs["Density"].default_value = 2.0
         look()
         ours, theirs = (pictures.render(SIZE, engine)[..., 0].astype(float) for engine in ("SFUMATO", "CYCLES"))
         places = [np.array([axis.ravel() @ picture.ravel() for axis in np.indices(SIZE[::-1])]) / picture.sum()

@@ -16,13 +16,7 @@ def arrange(kind: str, energy: float = 40.0) -> bpy.types.Object:
     scene = bpy.context.scene
     mesh = bpy.data.meshes.new("Floor")
     mesh.from_pydata([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], [], [(0, 1, 2, 3)])
-    material = bpy.data.materials.new("Floor")
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    shader, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
-    material.node_tree.links.new(shader.outputs[0], output.inputs[0])
-    mesh.materials.append(material)
+    harness.shade(mesh, "ShaderNodeBsdfDiffuse")
     camera, light = bpy.data.cameras.new("Camera"), bpy.data.lights.new("Lamp", kind)
     camera.type, camera.ortho_scale = "ORTHO", 1.0
     light.energy = energy

@@ -32,13 +32,7 @@ def arrange(kind: str, settings: dict[str, object], scale: tuple[float, float, f
     bpy.ops.wm.read_factory_settings(use_empty=True)
     harness.enable()
     bpy.ops.mesh.primitive_plane_add(size=40.0)
-    material = bpy.data.materials.new("Floor")
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    shader, output = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
-    bpy.context.object.data.materials.append(material)
+    harness.shade(bpy.context.object.data, "ShaderNodeBsdfDiffuse")
     light = bpy.data.lights.new("Light", kind)
     light.energy = 10.0
     for name, value in settings.items():

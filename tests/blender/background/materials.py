@@ -41,16 +41,10 @@ def arrange(shader: str, inputs: dict[str, object], sun_angle: float, eye_angle:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     harness.enable()
     bpy.ops.mesh.primitive_plane_add(size=40.0)
-    material = bpy.data.materials.new("Floor")
-    material.use_nodes = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    node, output = tree.nodes.new(shader), tree.nodes.new("ShaderNodeOutputMaterial")
+    node = harness.shade(bpy.context.object.data, shader)
     for name, value in inputs.items():
         if name in node.inputs:
             node.inputs[name].default_value = value
-    tree.links.new(node.outputs[0], output.inputs["Surface"])
-    bpy.context.object.data.materials.append(material)
     light, camera = bpy.data.lights.new("Sun", "SUN"), bpy.data.cameras.new("Camera")
     light.energy, light.angle = math.pi, 0.0
     camera.type, camera.ortho_scale = "ORTHO", 0.5

@@ -38,18 +38,6 @@ def refusal(thing: bpy.types.Object) -> str:
     raise AssertionError("nothing was refused")
 
 
-def shader_of(thing: bpy.types.Object) -> bpy.types.ShaderNode:
-    """The Principled Volume of a new material."""
-    material = bpy.data.materials.new("Smoke")
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    shader, output = nodes.new("ShaderNodeVolumePrincipled"), nodes.new("ShaderNodeOutputMaterial")
-    material.node_tree.links.new(shader.outputs["Volume"], output.inputs["Volume"])
-    thing.data.materials.append(material)
-    return shader
-
-
 def test_a_sequence_shows_what_its_mode_says_and_names_a_missing_file() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for number, name in ((3, "fire"), (4, "wisp"), (6, "fire")):
@@ -79,7 +67,7 @@ def test_without_a_material_it_is_a_principled_volume_as_it_comes() -> None:
     medium = exported(thing)
     assert medium is not None
     assert np.allclose(medium.scattering, 0.5) and np.allclose(medium.absorption, 0.5)
-    shader = shader_of(thing)
+    shader = harness.shade(thing.data, "ShaderNodeVolumePrincipled", "Volume")
     assert exported(thing) is not None
     shader.mute = True
     assert exported(thing) is None, "a muted shader shows nothing"
@@ -89,7 +77,7 @@ def test_without_a_material_it_is_a_principled_volume_as_it_comes() -> None:
 
 def test_the_material_says_which_grid_is_its_density() -> None:
     thing = volume(harness.ROOT / "blend_samples" / "plume_cache" / "data" / "fluid_data_0025.vdb")
-    shader = shader_of(thing)
+    shader = harness.shade(thing.data, "ShaderNodeVolumePrincipled", "Volume")
     assert exported(thing) is not None
     shader.inputs["Density Attribute"].default_value = "flame"
     assert "holds no smoke" in refusal(thing), "the plume does not burn"

@@ -75,13 +75,7 @@ def test_samples_are_where_cycles_has_them() -> None:
     shape, to_object = core.module().volume_header(str(path))
     cell = float(np.linalg.norm(to_object[:3, 0]))
     across = 1.2 * max(shape[1:]) * cell
-    material = bpy.data.materials.new("Smoke")
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    shader, output = nodes.new("ShaderNodeVolumePrincipled"), nodes.new("ShaderNodeOutputMaterial")
-    material.node_tree.links.new(shader.outputs["Volume"], output.inputs["Volume"])
-    thing.data.materials.append(material)
+    harness.shade(thing.data, "ShaderNodeVolumePrincipled", "Volume")
     corner = to_object @ [shape[2] / 2.0, shape[1] / 2.0, shape[0] / 2.0, 1.0]
     scene, camera, sun = bpy.context.scene, bpy.data.cameras.new("Camera"), bpy.data.lights.new("Sun", "SUN")
     camera.type, camera.ortho_scale = "ORTHO", across

@@ -156,6 +156,37 @@ def test_a_failure_is_said_once_and_blender_goes_on_drawing() -> Iterator[float 
     assert not log.notices(), log.notices()
 
 
+def test_what_a_view_leaves_out_is_left_out() -> Iterator[float | None]:
+    """In local view, and by types of objects: then the overlay adds nothing to what Blender draws of the rest."""
+    space, smoke = plume("SOLID")
+    window, area, region = screen.viewport()
+
+    def hidden_type() -> None:
+        name = f"show_object_viewport_{smoke.type.lower()}"
+        setattr(space, name, not getattr(space, name))
+
+    def local_view() -> None:
+        bpy.ops.object.select_all(action="DESELECT")
+        bpy.data.objects["Ball"].select_set(True)
+        with bpy.context.temp_override(window=window, area=area, region=region):
+            bpy.ops.view3d.localview(frame_selected=False)
+
+    with screen.watched() as seen:
+        yield from screen.drawn(seen)
+        whole = seen[-1][0]
+        for switch in (hidden_type, local_view):
+            switch()
+            yield from screen.drawn(seen)
+            without = seen[-1][0]
+            bpy.context.scene.sfumato.viewport_enabled = False
+            yield from screen.drawn(seen)
+            assert np.array_equal(seen[-1][0], without)
+            bpy.context.scene.sfumato.viewport_enabled = True
+            switch()
+            yield from screen.drawn(seen)
+            assert np.abs(seen[-1][0] - whole).max() < 1e-3
+
+
 def test_undo_and_another_file() -> Iterator[float | None]:
     plume("SOLID")
     with screen.watched() as seen:
