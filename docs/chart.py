@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/cycles.png, lights.png, cost.png, arealights.png, lightmaps.png and bases.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
+"""docs/cycles.png, denoised.png, lights.png, cost.png, arealights.png, lightmaps.png and bases.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
 
 from __future__ import annotations
 
@@ -50,6 +50,41 @@ def cycles_chart() -> None:
     axes.margins(0.12, 0.14)
     axes.grid(True, which="both", alpha=0.25)
     save(figure, "cycles", 120)
+
+
+WAYS = {"cycles": ("0.4", "Cycles"), "marching": ("tab:blue", "Cycles, biased volumes")}
+
+
+def denoised_chart() -> None:
+    """Cycles of an official Blender; hollow and dashed where its denoiser has worked."""
+    rows = rows_of("denoised")
+    figure, axes = plt.subplots(figsize=(7.0, 3.9))
+    for way, (colour, name) in WAYS.items():
+        own = [row for row in rows if row["method"].startswith(way)]
+        for line, filled in (
+            ([row for row in own if row["method"].count("-") == count], count == 1) for count in (1, 2)
+        ):
+            errors = column(line, "true_error", 100.0)
+            axes.loglog(
+                column(line, "seconds"),
+                errors,
+                "o-" if filled else "o--",
+                color=colour,
+                markerfacecolor=colour if filled else "white",
+                label=name if filled else f"{name}, denoised",
+            )
+            for row, error in zip(line, errors):
+                samples = row["method"].split("-")[1]
+                axes.annotate(samples, (row["seconds"], error), (5, 4), textcoords="offset points", fontsize=8)
+    ours = rows[0]
+    axes.loglog([ours["seconds"]], [100.0 * ours["true_error"]], "D", color=SFUMATO, markersize=9, label="Sfumato")
+    axes.set_xlabel("seconds for the whole render call; samples beside the marks")
+    axes.set_ylabel("relative RMSE, %")
+    axes.set_title("The plume at 640 x 360, frame 25, Blender 5.0.1, two busy cores")
+    axes.margins(0.08, 0.14)
+    axes.grid(True, which="both", alpha=0.25)
+    axes.legend(fontsize=8, loc="center left")
+    save(figure, "denoised", 120)
 
 
 def lights_chart() -> None:
@@ -176,6 +211,7 @@ def bases_chart() -> None:
 
 def main() -> None:
     cycles_chart()
+    denoised_chart()
     lights_chart()
     cost_chart()
     area_lights_chart()

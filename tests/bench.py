@@ -181,6 +181,13 @@ def versions() -> tuple[Sequence[Row], list[str]]:
     return in_all()
 
 
+def denoised() -> tuple[Sequence[Row], list[str]]:
+    """The plume in an official Blender, against its Cycles without and with the denoiser."""
+    from bench_denoised import denoised as in_official
+
+    return in_official()
+
+
 def heavy(**options: Any) -> tuple[Sequence[Row], list[str]]:
     """Scenes with many triangles, many objects and much smoke, against another commit and against Cycles."""
     from bench_heavy import heavy as heavy_scenes
@@ -203,6 +210,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "bases": bases,
     "cost": scale,
     "cycles": against_cycles,
+    "denoised": denoised,
     "heavy": heavy,
     "lightmaps": light_maps,
     "lights": lights,

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from bench import growth, light_remarks, seconds_at_error, table
+from bench_denoised import remarks, series
 from bench_rows import CostRow, LightRow, RayRow, Row
 from bench_versions import changes, rows_of, worst
 from blender_run import ROOT, run_script
@@ -225,3 +226,22 @@ def test_a_change_of_cycles_is_one_beyond_its_noise() -> None:
     ]
     lines += [printed("spot", "3.4.1", 0.0, 2.0, 0.01), printed("spot", "4.5.15", 0.0, 2.05, 0.01)]
     assert changes(rows_of("".join(lines))) == ["sun: Cycles 4.5.15 shows 1.050 of what 3.4.1 does"]
+
+
+def test_denoised_rows_stand_apart_and_the_cheapest_that_is_good_enough_counts() -> None:
+    said = {"sfumato": (0.01, 0.1), "cycles-1": (0.3, 4.0), "cycles-4": (0.1, 4.5)}
+    said |= {"cycles-1-denoised": (0.05, 9.0), "cycles-4-denoised": (0.01, 9.5), "cycles-16-denoised": (0.008, 12.0)}
+    said |= {"marching-1": (0.2, 1.0), "marching-1-denoised": (0.04, 6.0)}
+    rows = [
+        LightRow(
+            case="plume", method=name, metric="", error=0.5, seconds=seconds, bytes=None, noise=0.4, true_error=error
+        )
+        for name, (error, seconds) in said.items()
+    ]
+    assert [row["method"] for row in series(rows, "cycles", "")] == ["cycles-1", "cycles-4"]
+    assert remarks(rows) == [
+        "cycles: cycles-4 is the best, 10.00% against Sfumato's 1.00%, in 45 times its time",
+        "cycles-denoised: cycles-4-denoised has 1.00% against Sfumato's 1.00%, in 95 times its time",
+        "marching: marching-1 is the best, 20.00% against Sfumato's 1.00%, in 10 times its time",
+        "marching-denoised: marching-1-denoised is the best, 4.00% against Sfumato's 1.00%, in 60 times its time",
+    ]

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""bench.py denoised: the plume by Sfumato, and by the Cycles of an official Blender, without and with its denoiser, which
+Debian's Cycles does not have."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import progress
+from bench_rows import LightRow
+from blender_run import ROOT
+
+VERSION = "5.0.1"
+COMMAND = ["tests/official", "--script", "tests/bench/bench_denoised_in_blender.py", VERSION]
+
+
+def denoised() -> tuple[list[LightRow], list[str]]:
+    """Rows of all methods, and for each way of Cycles where it stands. Raises RuntimeError where Blender fails."""
+    printed = []
+    with subprocess.Popen(COMMAND, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            printed.append(line)
+            if line.startswith(progress.MARK):
+                print(line, end="", file=sys.stderr, flush=True)
+    if process.returncode != 0:
+        raise RuntimeError(f"{' '.join(COMMAND)} ended with {process.returncode}:\n{''.join(printed[-40:])}")
+    rows: list[LightRow] = [json.loads(line[4:]) for line in printed if line.startswith("ROW ")]
+    return rows, remarks(rows)
+
+
+def series(rows: list[LightRow], way: str, end: str) -> list[LightRow]:
+    """The rows of `cycles` or `marching`, with the denoiser where `end` is `-denoised`, by samples."""
+    return [row for row in rows if row["method"].startswith(f"{way}-") and (row["method"].count("-") == 2) == bool(end)]
+
+
+def remarks(rows: list[LightRow]) -> list[str]:
+    """For each way of Cycles, the cheapest row that has Sfumato's error; where none has, how close it comes."""
+    ours = rows[0]
+    said = []
+    for way in ("cycles", "marching"):
+        for end in ("", "-denoised"):
+            own = series(rows, way, end)
+            good = [row for row in own if row["true_error"] <= ours["true_error"]]
+            row = min(good, key=_seconds) if good else min(own, key=_error)
+            said.append(
+                f"{way}{end}: {row['method']} {'has' if good else 'is the best,'} {row['true_error']:.2%} against "
+                f"Sfumato's {ours['true_error']:.2%}, in {row['seconds'] / ours['seconds']:.3g} times its time"
+            )
+    return said
+
+
+def _seconds(row: LightRow) -> float:
+    return row["seconds"]
+
+
+def _error(row: LightRow) -> float:
+    return row["true_error"]
