@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import harness
 import numpy as np
-from sfumato.export import parts, smoke
+from sfumato.export import parts, scene, smoke
 
 FRAMES = harness.ROOT / "blend_samples" / "frames"
 
@@ -122,6 +122,28 @@ def test_voxels_that_modifiers_make_are_shown() -> None:
     made.density = 4.0
     denser = exported(thing)
     assert denser is not None and abs(denser.amount - 2.0 * medium.amount) < 1e-3 * denser.amount
+
+
+def test_voxels_that_nodes_make_are_shown() -> None:
+    """On a Volume object, and on a mesh, where they come as an instance without a file."""
+    thing = volume()
+    mesh = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
+    bpy.context.scene.collection.objects.link(mesh)
+    group = bpy.data.node_groups.new("Cube", "GeometryNodeTree")
+    if hasattr(group, "interface"):  # 4.0
+        group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    else:
+        group.outputs.new("NodeSocketGeometry", "Geometry")
+    cube, output = group.nodes.new("GeometryNodeVolumeCube"), group.nodes.new("NodeGroupOutput")
+    cube.inputs["Density"].default_value = 2.0
+    group.links.new(cube.outputs[0], output.inputs[0])
+    for made_by in (thing, mesh):
+        made_by.modifiers.new("Nodes", "NODES").node_group = group
+        bpy.context.view_layer.update()
+        frame = scene.frame_of(bpy.context.evaluated_depsgraph_get(), "test")
+        (body,) = frame.media
+        assert body.density.sum() == 2.0 * 32**3, (made_by.name, body.density.sum())
+        made_by.modifiers.clear()
 
 
 def test_a_modifier_on_a_file_is_followed() -> None:
