@@ -118,7 +118,7 @@ def test_voxels_that_modifiers_make_are_shown() -> None:
     assert medium is not None
     cell = abs(np.linalg.det(medium.grid_to_world[:3, :3]))
     held = medium.amount * cell
-    # A box of 8 cubic metres: and the voxels that its faces cross (21.3 in 3.4.1), or less what fades inside (11.8 in 5.0.1).
+    # A box of 8 cubic metres, and what its faces cross (21.3 in 3.4.1), or less what fades inside (11.8 in 5.0.1).
     assert 2.0 * 1.7**3 <= held <= 2.0 * 2.3**3, held
     made.density = 4.0
     denser = exported(thing)
