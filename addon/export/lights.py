@@ -47,21 +47,16 @@ def emission_of(thing: Any, notices: list[str]) -> NDArray[np.float64]:
     light = thing.data
     if not light.use_nodes or light.node_tree is None:
         return np.ones(3)
-    for output in light.node_tree.nodes:
-        if output.type == "OUTPUT_LIGHT" and output.is_active_output:
-            shader = materials.linked_node(output, "Surface")
-            if shader is None or shader.mute:
-                return np.zeros(3)
-            if shader.type == "EMISSION":
-                colour = materials.value_of(shader, "Color", thing.name, notices)
-                strength = materials.value_of(shader, "Strength", thing.name, notices)
-                emission: NDArray[np.float64] = colour * strength
-                return emission
-            notices.append(
-                f"{thing.name}: the node {shader.name} of its light is not shown; it shines as if it had none"
-            )
-            return np.ones(3)
-    return np.zeros(3)
+    output = materials.output_in(light.node_tree, "OUTPUT_LIGHT")
+    shader = None if output is None else materials.linked_node(output, "Surface")
+    if shader is None or shader.mute:
+        return np.zeros(3)
+    if shader.type != "EMISSION":
+        notices.append(f"{thing.name}: the node {shader.name} of its light is not shown; it shines as if it had none")
+        return np.ones(3)
+    colour = materials.value_of(shader, "Color", thing.name, notices)
+    emission: NDArray[np.float64] = colour * materials.value_of(shader, "Strength", thing.name, notices)
+    return emission
 
 
 def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArray[np.float64]) -> None:

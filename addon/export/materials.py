@@ -25,6 +25,11 @@ def active_output(material: Any) -> Any | None:
     return material.node_tree.get_output_node("ALL") or material.node_tree.get_output_node("CYCLES")
 
 
+def output_in(tree: Any, kind: str) -> Any | None:
+    """The active output among the nodes of a light or a world, or None."""
+    return next((node for node in tree.nodes if node.type == kind and node.is_active_output), None)
+
+
 def linked_node(node: Any, socket: str) -> Any | None:
     """The node behind an input, reroutes followed, or None."""
     links = node.inputs[socket].links
@@ -219,17 +224,16 @@ def background(scene: Any, notices: list[str]) -> NDArray[np.float64]:
         return np.zeros(3)
     if not compat.uses_nodes(world) or world.node_tree is None:
         return np.array(world.color)
-    for node in world.node_tree.nodes:
-        if node.type == "OUTPUT_WORLD" and node.is_active_output:
-            shader = linked_node(node, "Surface")
-            if shader is None:
-                return np.zeros(3)
-            if shader.type == "BACKGROUND":
-                colour = value_of(shader, "Color", "World", notices)
-                strength = value_of(shader, "Strength", "World", notices)
-                radiance: NDArray[np.float64] = np.maximum(colour * strength, 0.0)
-                if radiance.any():
-                    notices.append("World: shown as a backdrop; it lights nothing yet")
-                return radiance
-            notices.append(f"World: the shader {shader.type.lower()} is not shown")
-    return np.zeros(3)
+    output = output_in(world.node_tree, "OUTPUT_WORLD")
+    shader = None if output is None else linked_node(output, "Surface")
+    if shader is None:
+        return np.zeros(3)
+    if shader.type != "BACKGROUND":
+        notices.append(f"World: the shader {shader.type.lower()} is not shown")
+        return np.zeros(3)
+    colour = value_of(shader, "Color", "World", notices)
+    strength = value_of(shader, "Strength", "World", notices)
+    radiance: NDArray[np.float64] = np.maximum(colour * strength, 0.0)
+    if radiance.any():
+        notices.append("World: shown as a backdrop; it lights nothing yet")
+    return radiance

@@ -3,10 +3,25 @@
 
 #include "scene/scene.hpp"
 
-#include <algorithm>
-
 namespace sfumato {
 namespace {
+
+struct PartStage {
+    const char *name;
+    bool (*needed)(const Scene &, const Content &);
+    void (*make)(const Making &, Content &);
+};
+
+// Stages that are local to a tile of packets run one after the other while it is in the cache.
+struct RayStage {
+    const char *name;
+    bool (*needed)(const FrameView &, LayerSet);
+    void (*run)(const InstructionSet &, const FrameView &, LayerSet, const Packet &, Layers &);
+};
+
+bool lights_meet_smoke(const Scene &scene, const Content &content) {
+    return !scene.lights.empty() && !content.media.empty();
+}
 
 LightMapSettings map_settings(const FrameSettings &settings) {
     LightMapSettings map{settings.coefficients, settings.texels_per_cell};
@@ -37,19 +52,15 @@ constexpr std::array PARTS = {
                   const int samples = settings.shared_ranges ? 1 : settings.light_samples;
                   content.lighting = Lighting(making.scene.lights, content.media, samples);
               }},
-    PartStage{
-        "light maps",
-        [](const Scene &scene, const Content &content) { return !scene.lights.empty() && !content.media.empty(); },
-        [](const Making &making, Content &content) {
-            content.lighting.build_maps(content.media, *content.surfaces, map_settings(making.settings), making.with,
-                                        making.prepared.lights);
-        }},
-    PartStage{
-        "light volumes",
-        [](const Scene &scene, const Content &content) { return !scene.lights.empty() && !content.media.empty(); },
-        [](const Making &making, Content &content) {
-            content.lighting.fill_volumes(content.media, content.grey, making.with, making.prepared.lights);
-        }},
+    PartStage{"light maps", lights_meet_smoke,
+              [](const Making &making, Content &content) {
+                  content.lighting.build_maps(content.media, *content.surfaces, map_settings(making.settings),
+                                              making.with, making.prepared.lights);
+              }},
+    PartStage{"light volumes", lights_meet_smoke,
+              [](const Making &making, Content &content) {
+                  content.lighting.fill_volumes(content.media, content.grey, making.with, making.prepared.lights);
+              }},
 };
 
 constexpr std::array RAYS = {
@@ -66,14 +77,6 @@ constexpr std::array RAYS = {
 };
 
 } // namespace
-
-std::span<const PartStage> part_stages() {
-    return PARTS;
-}
-
-std::span<const RayStage> ray_stages() {
-    return RAYS;
-}
 
 std::vector<StageClock::Row> StageClock::rows() const {
     static_assert(PARTS.size() + RAYS.size() <= MOST);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a frame does, stage by stage, in order: two tables of functions. A stage that the scene does not need does not
-// run. The first table makes what does not depend on the camera, the second follows rays.
+// What a frame does, stage by stage, in order: the two tables of stages.cpp. A stage that the scene does not need does
+// not run. Those of the first table make what does not depend on the camera, those of the second follow rays.
 #pragma once
 
 #include "frame/layers.hpp"
@@ -10,6 +10,7 @@
 #include "solids/surfaces.hpp"
 #include "text/dispatch.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -47,22 +48,6 @@ struct Making {
     const InstructionSet &with;
     Prepared &prepared;
 };
-
-struct PartStage {
-    const char *name;
-    bool (*needed)(const Scene &, const Content &);
-    void (*make)(const Making &, Content &);
-};
-
-// Stages that are local to a tile of packets run one after the other while it is in the cache.
-struct RayStage {
-    const char *name;
-    bool (*needed)(const FrameView &, LayerSet);
-    void (*run)(const InstructionSet &, const FrameView &, LayerSet, const Packet &, Layers &);
-};
-
-std::span<const PartStage> part_stages();
-std::span<const RayStage> ray_stages();
 
 // The time that each stage took; stages of rays are timed on all threads at once.
 class StageClock {

@@ -98,6 +98,16 @@ def command(script: str | Path, blend: Path | None = None) -> list[str]:
     ]
 
 
+def volume(path: Path | str = "") -> bpy.types.Object:
+    """A Volume object of a file, alone in an empty scene."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    data = bpy.data.volumes.new("Smoke")
+    data.filepath = str(path)
+    thing = bpy.data.objects.new("Smoke", data)
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
 def shade(data: Any, kind: str, socket: str = "Surface") -> bpy.types.ShaderNode:
     """Give a mesh or a volume a new material of one shader node, which is the answer."""
     material = bpy.data.materials.new(data.name)

@@ -13,15 +13,6 @@ from sfumato.export import parts, scene, smoke
 FRAMES = harness.ROOT / "blend_samples" / "frames"
 
 
-def volume(path: Path | str = "") -> bpy.types.Object:
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    data = bpy.data.volumes.new("Smoke")
-    data.filepath = str(path)
-    thing = bpy.data.objects.new("Smoke", data)
-    bpy.context.scene.collection.objects.link(thing)
-    return thing
-
-
 def exported(thing: bpy.types.Object, notices: list[str] | None = None) -> smoke.Medium | None:
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -42,7 +33,7 @@ def test_a_sequence_shows_what_its_mode_says_and_names_a_missing_file() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for number, name in ((3, "fire"), (4, "wisp"), (6, "fire")):
             shutil.copy(FRAMES / f"{name}.vdb", Path(folder) / f"smoke_{number:04d}.vdb")
-        thing = volume(Path(folder) / "smoke_0003.vdb")
+        thing = harness.volume(Path(folder) / "smoke_0003.vdb")
         data = thing.data
         data.is_sequence, data.frame_start, data.frame_offset, data.frame_duration = True, 10, 2, 4
 
@@ -63,7 +54,7 @@ def test_a_sequence_shows_what_its_mode_says_and_names_a_missing_file() -> None:
 
 
 def test_without_a_material_it_is_a_principled_volume_as_it_comes() -> None:
-    thing = volume(FRAMES / "fire.vdb")
+    thing = harness.volume(FRAMES / "fire.vdb")
     medium = exported(thing)
     assert medium is not None
     assert np.allclose(medium.scattering, 0.5) and np.allclose(medium.absorption, 0.5)
@@ -76,7 +67,7 @@ def test_without_a_material_it_is_a_principled_volume_as_it_comes() -> None:
 
 
 def test_the_material_says_which_grid_is_its_density() -> None:
-    thing = volume(harness.ROOT / "blend_samples" / "plume_cache" / "data" / "fluid_data_0025.vdb")
+    thing = harness.volume(harness.ROOT / "blend_samples" / "plume_cache" / "data" / "fluid_data_0025.vdb")
     shader = harness.shade(thing.data, "ShaderNodeVolumePrincipled", "Volume")
     assert exported(thing) is not None
     shader.inputs["Density Attribute"].default_value = "flame"
@@ -93,7 +84,7 @@ def test_the_material_says_which_grid_is_its_density() -> None:
 def test_density_is_a_unit_of_the_objects_own_space() -> None:
     """The length of (1, 1, 1) / sqrt 3 there: Cycles' own measure, however uneven the scale, turned or not."""
     for scale in ((1.0, 1.0, 1.0), (1.0, 1.0, 4.0), (3.0, 1.0, 1.0), (1.0, 1.0, 0.25)):
-        thing = volume(FRAMES / "fire.vdb")
+        thing = harness.volume(FRAMES / "fire.vdb")
         thing.scale, thing.rotation_euler = scale, (0.3, 0.2, 0.7)
         medium = exported(thing)
         assert medium is not None
@@ -104,7 +95,7 @@ def test_density_is_a_unit_of_the_objects_own_space() -> None:
 
 
 def test_voxels_that_modifiers_make_are_shown() -> None:
-    thing = volume()
+    thing = harness.volume()
     assert "choose an OpenVDB file" in refusal(thing)
     mesh = bpy.data.meshes.new("Box")
     corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
@@ -127,7 +118,7 @@ def test_voxels_that_modifiers_make_are_shown() -> None:
 
 def test_voxels_that_nodes_make_are_shown() -> None:
     """On a Volume object, and on a mesh, where they come as an instance without a file."""
-    thing = volume()
+    thing = harness.volume()
     mesh = bpy.data.objects.new("Mesh", bpy.data.meshes.new("Mesh"))
     bpy.context.scene.collection.objects.link(mesh)
     group = bpy.data.node_groups.new("Cube", "GeometryNodeTree")
@@ -148,7 +139,7 @@ def test_voxels_that_nodes_make_are_shown() -> None:
 
 
 def test_a_modifier_on_a_file_is_followed() -> None:
-    thing = volume(FRAMES / "fire.vdb")
+    thing = harness.volume(FRAMES / "fire.vdb")
     plain = exported(thing)
     moved = thing.modifiers.new("Displace", "VOLUME_DISPLACE")
     texture = bpy.data.textures.new("Noise", "CLOUDS")
@@ -161,7 +152,7 @@ def test_a_modifier_on_a_file_is_followed() -> None:
 
 
 def test_clipping_is_named() -> None:
-    thing = volume(FRAMES / "fire.vdb")
+    thing = harness.volume(FRAMES / "fire.vdb")
     notices: list[str] = []
     exported(thing, notices)
     assert not notices

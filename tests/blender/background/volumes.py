@@ -15,15 +15,6 @@ from sfumato.export import parts, smoke
 FRAMES = harness.ROOT / "blend_samples" / "frames"
 
 
-def volume(path: Path) -> bpy.types.Object:
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    data = bpy.data.volumes.new("Smoke")
-    data.filepath = str(path)
-    thing = bpy.data.objects.new("Smoke", data)
-    bpy.context.scene.collection.objects.link(thing)
-    return thing
-
-
 def exported(thing: bpy.types.Object, kept: parts.Parts) -> smoke.Medium:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = thing.evaluated_get(depsgraph)
@@ -35,7 +26,7 @@ def exported(thing: bpy.types.Object, kept: parts.Parts) -> smoke.Medium:
 
 def test_a_file_is_read_where_the_array_of_it_lies() -> None:
     path = FRAMES / "fire.vdb"
-    medium = exported(volume(path), parts.Parts())
+    medium = exported(harness.volume(path), parts.Parts())
     density, grid_to_object = core.module().read_volume(str(path))
     grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, compat.sample_place())
     assert np.array_equal(medium.grid_to_world, grid_to_object)
@@ -46,7 +37,7 @@ def test_a_file_is_read_again_where_it_has_changed_alone() -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "smoke.vdb"
         shutil.copy(FRAMES / "fire.vdb", path)
-        thing, kept = volume(path), parts.Parts()
+        thing, kept = harness.volume(path), parts.Parts()
         first = exported(thing, kept)
         thing.location.x = 2.0
         bpy.context.view_layer.update()
@@ -71,7 +62,7 @@ def middle(engine: str, across: float) -> np.ndarray:
 def test_samples_are_where_cycles_has_them() -> None:
     """Seen from above, in a sun from there. Cycles to 4.5 has each half a cell further on than from 5.0 on."""
     path = FRAMES / "fire.vdb"
-    thing = volume(path)
+    thing = harness.volume(path)
     shape, to_object = core.module().volume_header(str(path))
     cell = float(np.linalg.norm(to_object[:3, 0]))
     across = 1.2 * max(shape[1:]) * cell
