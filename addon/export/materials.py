@@ -163,12 +163,14 @@ def surfaces(thing: Any, notices: list[str]) -> list[Surface] | None:
 
 @dataclass
 class Smoke:
-    """What a material makes of smoke, per metre and unit density, and the grid that it takes for its density."""
+    """What a material makes of smoke, per metre and unit density, the grid that it takes for its density, and the one, if
+    any, by whose colours it multiplies what is scattered."""
 
     scattering: NDArray[np.float64]
     absorption: NDArray[np.float64]
     anisotropy: float = 0.0
     attribute: str = "density"
+    tint: str = ""
 
     @property
     def extinction(self) -> NDArray[np.float64]:
@@ -205,16 +207,20 @@ _WHITE = Smoke(np.ones(3), np.zeros(3))
 
 def _principled_smoke(node: Any, name: str, notices: list[str]) -> Smoke:
     attribute = value_of(node, "Density Attribute", name, notices)
-    if tinted := value_of(node, "Color Attribute", name, notices):
-        notices.append(f"{name}: its Color Attribute '{tinted}' is not followed yet; the smoke has one colour")
     if value_of(node, "Emission Strength", name, []) > 0.0 or value_of(node, "Blackbody Intensity", name, []) > 0.0:
         notices.append(f"{name}: its emission is not shown yet")
     density = max(0.0, value_of(node, "Density", name, notices))
     colour = np.maximum(value_of(node, "Color", name, notices), 0.0)
-    tint = np.maximum(value_of(node, "Absorption Color", name, notices), 0.0)
-    absorption = density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - np.sqrt(tint), 0.0)
+    absorbed = np.maximum(value_of(node, "Absorption Color", name, notices), 0.0)
+    absorption = density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - np.sqrt(absorbed), 0.0)
+    tint = value_of(node, "Color Attribute", name, notices)
+    if tint and (absorbed.any() or colour.max() > 1.0):
+        which = "Absorption Color" if absorbed.any() else "Color above 1"
+        notices.append(
+            f"{name}: its {which} beside a Color Attribute; the smoke lets through what it would without that attribute"
+        )
     anisotropy = float(np.clip(value_of(node, "Anisotropy", name, notices), -0.999, 0.999))
-    return Smoke(density * colour, absorption, anisotropy, attribute)
+    return Smoke(density * colour, absorption, anisotropy, attribute, tint)
 
 
 def background(scene: Any, notices: list[str]) -> NDArray[np.float64]:

@@ -59,14 +59,29 @@ def medium_of(
     if smoke is None:
         return None
     if settings is not None:
-        return _of_domain(settings, matrix, depsgraph, smoke, parts)
+        medium = _of_domain(settings, matrix, depsgraph, smoke, parts)
+        _name_bright(thing.name, medium, notices)
+        return medium
     if thing.data.render.space == "OBJECT":
         smoke = smoke.divided_by(world_unit(matrix))
     if thing.data.render.clipping > 1.01e-3:  # more than the default
         notices.append(
             f"{thing.name}: its Clipping of {thing.data.render.clipping:.3g} is not followed; all voxels are shown"
         )
-    return _of_volume(thing, matrix, smoke, parts)
+    found = _of_volume(thing, matrix, smoke, parts)
+    if found is not None:
+        _name_bright(thing.name, found, notices)
+    return found
+
+
+def _name_bright(name: str, medium: Medium, notices: list[str]) -> None:
+    """Where a cell scatters more light than meets it."""
+    albedo = medium.scattering * medium.grid.brightest / np.maximum(medium.scattering + medium.absorption, 1e-30)
+    if albedo.max() > 1.001:
+        notices.append(
+            f"{name}: its Color Attribute makes some smoke scatter {albedo.max():.3g} times the light that meets it; "
+            "it is shown no denser for that"
+        )
 
 
 def world_unit(matrix: NDArray[np.float64]) -> float:
@@ -81,7 +96,10 @@ def _of_domain(
     density, grid_to_object = domain_grid(settings, depsgraph.scene.frame_current, smoke.attribute)
     grid_to_world = matrix @ grid_to_object
     emptiness = core.module().emptiness(density.shape, grid_to_world, smoke.extinction)
-    grid = parts.part(lambda: (density,), ("grid", emptiness), lambda cells: _taken(cells, emptiness))
+    tint = _domain_tint(settings, density.shape, smoke.tint)
+    grid = parts.part(
+        lambda: (density, tint), ("grid", emptiness), lambda cells, colour: _taken(cells, colour, emptiness)
+    )
     assert grid is not None
     return Medium(grid, grid.amount, grid_to_world, smoke.scattering, smoke.absorption, smoke.anisotropy)
 
@@ -98,20 +116,21 @@ def _of_volume(thing: Any, matrix: NDArray[np.float64], smoke: materials.Smoke, 
         grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, compat.sample_place())
         grid_to_world = matrix @ grid_to_object
         emptiness = core.module().emptiness(shape, grid_to_world, smoke.extinction)
+        tint = smoke.tint if smoke.tint in thing.data.grids else None  # without such a grid, Cycles takes white
         grid = parts.part(
             (lambda: (np.fromfile(path, np.uint8),)) if edited else (lambda: _size_and_time(path)),
-            ("edited" if edited else "file", "" if edited else path, smoke.attribute, emptiness),
-            lambda _: core.module().Grid.from_file(path, smoke.attribute, empty_below=emptiness),
+            ("edited" if edited else "file", "" if edited else path, smoke.attribute, emptiness, tint),
+            lambda _: core.module().Grid.from_file(path, smoke.attribute, empty_below=emptiness, colour=tint),
         )
     assert grid is not None
     return Medium(grid, grid.amount, grid_to_world, smoke.scattering, smoke.absorption, smoke.anisotropy)
 
 
-def _taken(density: NDArray[np.float32], emptiness: float) -> Any:
+def _taken(density: NDArray[np.float32], tint: NDArray[np.float32] | None, emptiness: float) -> Any:
     """The native grid; what is negative counts as none, as in Cycles. Raises ValueError for densities that cannot be."""
     if not np.isfinite(density.sum()) and not np.isfinite(density).all():
         raise ValueError(f"density is not finite in {int((~np.isfinite(density)).sum())} cells")
-    return core.module().Grid(np.maximum(density, 0.0) if density.min() < 0.0 else density, emptiness)
+    return core.module().Grid(np.maximum(density, 0.0) if density.min() < 0.0 else density, emptiness, colour=tint)
 
 
 def _size_and_time(path: str) -> tuple[NDArray[np.int64]]:
@@ -159,6 +178,26 @@ def domain_grid(
     grid_to_object[:3, 3] = settings.start_point if corner is None else corner
     nx, ny, nz = resolution * finer
     return density.reshape(nz, ny, nx), grid_to_object
+
+
+def _domain_tint(settings: Any, shape: tuple[int, ...], attribute: str) -> NDArray[np.float32] | None:
+    """The colours (z, y, x, 3) of a domain's cells, None where Cycles takes white."""
+    if attribute != "color" and attribute not in _DOMAIN_GRIDS:
+        return None
+    grid = settings.color_grid if attribute == "color" else getattr(settings, _DOMAIN_GRIDS[attribute])
+    channels, odd = divmod(len(grid), int(np.prod(shape)))
+    if odd or channels not in (1, 4):
+        return None
+    values = np.empty(len(grid), dtype=np.float32)
+    grid.foreach_get(values)
+    cells = values.reshape(*shape, channels)
+    if channels == 1:
+        return np.repeat(np.maximum(cells, 0.0), 3, axis=3)
+    # Colours are kept as density times colour, and the density.
+    colours: NDArray[np.float32] = np.maximum(cells[..., :3], 0.0) / np.where(
+        cells[..., 3:] > 1e-6, cells[..., 3:], 1.0
+    )
+    return colours
 
 
 def _absence(settings: Any, frame: int, message: str) -> ValueError:

@@ -17,8 +17,10 @@ SHADOW_STRENGTH = 0.8
 MEDIUM_TEXTURES = ("density", "light", "clearance")
 
 
-def smoke_shader(colours: int, media: int, overlay: bool) -> Any:
+def smoke_shader(colours: int, media: int, tinted: bool, overlay: bool) -> Any:
     def declare(info: Any) -> None:
+        if tinted:
+            info.define("TINTED", "1")
         info.define("COLOURS", str(colours))
         info.define("MEDIA", str(media))
         if overlay:
@@ -44,7 +46,9 @@ def smoke_shader(colours: int, media: int, overlay: bool) -> Any:
     textures = shader_text("viewport/smoke_textures.glsl")
     accessors = [textures.replace("NUMBER", str(medium)) for medium in range(media)]
     accessors += [_by_medium(*function, media) for function in MEDIUM_FUNCTIONS]
-    name = f"{colours} colours, {media} media{', overlay' if overlay else ''}"
+    if tinted:
+        accessors.append(_by_medium("vec3", "tint_at", "vec3 place", "place", media))
+    name = f"{colours} colours, {media} media{', tinted' if tinted else ''}{', overlay' if overlay else ''}"
     return compile_shader(name, declare, files, generated="".join(accessors))
 
 
@@ -73,10 +77,12 @@ class Smoke:
         self.textures: dict[str, Any] = {}
         self.colours = 3 if any(np.ptp(medium.extinction) > 0.0 for medium in frame.media) else 1
         self.media = max(1, len(media))
+        tints = [medium.tint for medium in media]
+        self.tinted = any(tint is not None for tint in tints)
         self.uniforms = np.zeros((7 + 3 * MOST_LIGHTS + 6 * MOST_MEDIA, 4), np.float32)  # SmokeView
         self.uniforms[7 : 7 + 3 * self.lights] = lights.reshape(-1, 4)
         first = 7 + 3 * MOST_LIGHTS
-        for number, medium in enumerate(media):
+        for number, (medium, tint) in enumerate(zip(media, tints)):
             rows = self.uniforms[first + 6 * number : first + 6 * number + 6]
             density, light = medium.density, medium.light[: self.lights]
             rows[:3] = np.linalg.inv(medium.grid_to_world)[:3]
@@ -84,7 +90,12 @@ class Smoke:
             rows[4] = (*medium.extinction, frame.step_length)
             rows[5] = (*medium.scattering, medium.anisotropy)
             depth, height, width = density.shape
-            self._add(number, texture((width, height, depth), "R", density), light, medium.clearance)
+            cells = density
+            if self.tinted:
+                colour = density[..., None].repeat(3, axis=3) if tint is None else tint
+                cells = np.concatenate((colour, density[..., None]), axis=3)
+            size = (width, height, depth)
+            self._add(number, texture(size, "RGBA" if self.tinted else "R", cells), light, medium.clearance)
         if not media:
             # Where there is no smoke one empty cell stands in: the shader has one case less.
             self.uniforms[first : first + 6] = [

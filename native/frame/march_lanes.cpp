@@ -42,20 +42,25 @@ struct Asked {
     [[nodiscard]] Real density_at(int m, const Cell &place) const { return sample(medium(m).density, place, 0); }
     [[nodiscard]] Real longest_step(int m) const { return medium(m).step_length; }
     [[nodiscard]] Colour extinction_of(int m) const { return colour(medium(m).extinction); }
-    [[nodiscard]] vec3 scattering_of(int m) const {
+    [[nodiscard]] vec3 scattering_at(int m, const Cell &place) const {
         const float *const rgb = medium(m).scattering;
-        return {Real(rgb[0]), Real(rgb[1]), Real(rgb[2])};
+        vec3 scattering{Real(rgb[0]), Real(rgb[1]), Real(rgb[2])};
+        if (medium(m).tint != nullptr) {
+            const Real share = 1.0F / max(density_at(m, place), 1e-30F);
+            for (int c = 0; c < 3; ++c) {
+                scattering[c] = scattering[c] * sample_of(m, medium(m).tint, 3, place, c) * share;
+            }
+        }
+        return scattering;
     }
     [[nodiscard]] Real anisotropy_of(int m) const { return medium(m).anisotropy; }
     [[nodiscard]] Arriving light_at(int m, const Cell &place, int i) const {
-        GridView volume = medium(m).density;
-        volume.channels = COLOURS + 1;
-        volume.values = medium(m).light[static_cast<std::size_t>(i)];
-        const Cell at{place.first * Index(volume.channels), place.x, place.y, place.z};
+        const float *const volume = medium(m).light[static_cast<std::size_t>(i)];
+        const auto channel = [&](int c) { return sample_of(m, volume, COLOURS + 1, place, c); };
         if constexpr (COLOURS == 1) {
-            return {sample(volume, at, 0), sample(volume, at, 1)};
+            return {channel(0), channel(1)};
         } else {
-            return {{sample(volume, at, 0), sample(volume, at, 1), sample(volume, at, 2)}, sample(volume, at, 3)};
+            return {{channel(0), channel(1), channel(2)}, channel(3)};
         }
     }
 
@@ -67,6 +72,13 @@ struct Asked {
     [[nodiscard]] vec3 light_strength(int i) const { return broadcast(light(i).strength); }
 
 private:
+    // Of what is stored as the density is, `channels` numbers for each of its one.
+    [[nodiscard]] Real sample_of(int m, const float *values, int channels, const Cell &place, int channel) const {
+        GridView grid = medium(m).density;
+        grid.channels = channels;
+        grid.values = values;
+        return sample(grid, {place.first * Index(channels), place.x, place.y, place.z}, channel);
+    }
     static Colour colour(const float (&rgb)[3]) {
         if constexpr (COLOURS == 1) {
             return rgb[0];

@@ -22,6 +22,7 @@ MediaViews views_of(std::span<const CroppedMedium> media, double step_length) {
         }
         MediumView &view = out.views.emplace_back();
         view.density = medium.grid->view();
+        view.tint = medium.grid->tint.empty() ? nullptr : medium.grid->tint.data();
         view.light = volumes;
         view.light_channels = medium.light_channels;
         view.clearance = medium.grid->clearances();

@@ -272,7 +272,7 @@ void copy_cells(const Grid &grid, std::span<const float> stored, int channels, s
     }
 }
 
-std::shared_ptr<const Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout) {
+std::shared_ptr<Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout) {
     const Bounds bounds = occupied_bounds(blocks, threshold);
     if (bounds.low.x >= bounds.high.x) {
         return nullptr;
@@ -306,8 +306,8 @@ std::shared_ptr<const Grid> crop(std::span<const CellBlock> blocks, float thresh
     return out;
 }
 
-std::shared_ptr<const Grid> crop(std::span<const float> density, const glm::ivec3 &resolution, float threshold,
-                                 Layout layout) {
+std::shared_ptr<Grid> crop(std::span<const float> density, const glm::ivec3 &resolution, float threshold,
+                           Layout layout) {
     std::vector<CellBlock> slices(static_cast<std::size_t>(resolution.z));
     for (int z = 0; z < resolution.z; ++z) {
         slices[static_cast<std::size_t>(z)] = {density.data() + row_of(resolution, 0, z),

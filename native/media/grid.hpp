@@ -26,6 +26,8 @@ struct Grid {
     std::vector<std::int32_t> stored; // where each brick of STORED^3 cells begins; none where the grid is dense
     glm::ivec3 stored_bricks{0};
     std::vector<glm::ivec3> corners; // of the bricks that are stored
+    // Density times the colour in which it scatters, three numbers for each of `density`; or none: white.
+    std::vector<float> tint;
 
     [[nodiscard]] GridView view() const;
     [[nodiscard]] ClearanceView clearances() const { return {clearance.data(), bricks.x, bricks.y, bricks.z}; }
@@ -49,10 +51,10 @@ enum class Layout { BEST, DENSE, BRICKS };
 
 // The cells above a threshold and all others between them; null where there is none. Cells up to the threshold are
 // empty, and so is what no block covers. No cell is in two blocks. The blocks are read three times.
-std::shared_ptr<const Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout = Layout::BEST);
+std::shared_ptr<Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout = Layout::BEST);
 
 // The same of cells in turn, x fastest.
-std::shared_ptr<const Grid> crop(std::span<const float> density, const glm::ivec3 &resolution, float threshold,
-                                 Layout layout = Layout::BEST);
+std::shared_ptr<Grid> crop(std::span<const float> density, const glm::ivec3 &resolution, float threshold,
+                           Layout layout = Layout::BEST);
 
 } // namespace sfumato

@@ -42,6 +42,7 @@ struct ClearanceView {
 // falloff() that gets past solids, and past the edges of its cone.
 struct MediumView {
     GridView density;
+    const float *tint = nullptr; // density times colour, three numbers for each of the density's; or null: white
     std::span<const float *const> light; // of each light
     int light_channels = 1;
     ClearanceView clearance;

@@ -59,6 +59,16 @@ py::array_t<float> density_of(const CroppedMedium &medium) {
     return out;
 }
 
+py::object tint_of(const CroppedMedium &medium) {
+    const Grid &grid = *medium.grid;
+    if (grid.tint.empty()) {
+        return py::none();
+    }
+    py::array_t<float> out({grid.resolution.z, grid.resolution.y, grid.resolution.x, 3});
+    copy_cells(grid, grid.tint, 3, std::span(out.mutable_data(), static_cast<std::size_t>(out.size())));
+    return out;
+}
+
 py::array_t<float> light_of(const CroppedMedium &medium) {
     const glm::ivec3 n = medium.grid->resolution;
     py::array_t<float> out({static_cast<py::ssize_t>(medium.light.size()), py::ssize_t{n.z}, py::ssize_t{n.y},
@@ -77,6 +87,9 @@ py::array_t<float> light_of(const CroppedMedium &medium) {
 void bind_frame_parts(py::module_ &m) {
     py::class_<CroppedMedium>(m, "LitMedium", "A body of smoke of a frame, cropped, with the light that reaches it.")
         .def_property_readonly("density", &density_of, "(nz, ny, nx). A copy.")
+        .def_property_readonly("tint", &tint_of,
+                               "(nz, ny, nx, 3): density times the colour in which it scatters; None where that is "
+                               "white. A copy.")
         .def_property_readonly(
             "light", &light_of,
             "(lights, nz, ny, nx, c): the optical depth towards each light, in the one colour of grey "

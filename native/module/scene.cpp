@@ -79,7 +79,8 @@ void add_mesh(ConsoleScene &scene, const Floats &vertices, const Doubles &triang
 }
 
 void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &density, const Doubles &grid_to_world,
-                const Floats &scattering, const Floats &absorption, float anisotropy) {
+                const Floats &scattering, const Floats &absorption, float anisotropy,
+                const std::optional<Floats> &colour) {
     const auto *array = std::get_if<Floats>(&density);
     if (array != nullptr) {
         require_shape(*array, {-1, -1, -1}, "density");
@@ -103,7 +104,9 @@ void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &de
     if (array != nullptr) {
         const glm::uvec3 resolution(array->shape(2), array->shape(1), array->shape(0));
         const glm::vec3 extinction = medium.scattering + medium.absorption;
-        grid = checked_grid(*array, emptiness(resolution, medium.grid_to_world, extinction));
+        grid = checked_grid(*array, emptiness(resolution, medium.grid_to_world, extinction), colour);
+    } else if (colour) {
+        throw py::value_error("colour is given beside a Grid, which has its own: give it to the Grid");
     } else {
         grid = std::get<CheckedGrid>(density);
     }
@@ -111,6 +114,7 @@ void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &de
     medium.grid = grid.grid;
     scene.media.push_back(std::move(medium));
     scene.densities.push_back(array != nullptr ? std::optional(*array) : std::nullopt);
+    scene.colours.push_back(colour);
 }
 
 glm::vec3 unit_vector(const Floats &array, const std::string &name) {
@@ -256,13 +260,14 @@ material that the mesh names. Raises ValueError as add_mesh does, and for too fe
 )")
         .def(
             "add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
-            py::arg("absorption"), py::arg("anisotropy") = 0.0F,
+            py::arg("absorption"), py::arg("anisotropy") = 0.0F, py::arg("colour") = py::none(),
             R"(Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their densities add.
 
 density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; the scene refers to the array
 instead of copying it, so it should not be changed while the scene is in use; grid_to_world (4, 4) takes
 cells to metres: cell (i, j, k) fills [i, i + 1] and so on; scattering and absorption (3,), per metre and unit
-density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1).
+density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1); colour (nz, ny, nx, 3), not negative, by which each
+cell's scattering is multiplied: what it does not scatter of that, it absorbs, so what it lets through stays the same.
 Raises ValueError for an empty, negative or non-finite density and for a matrix that flattens the grid.
 
 >>> import numpy as np

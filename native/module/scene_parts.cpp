@@ -3,6 +3,7 @@
 #include "module/scene_parts.hpp"
 
 #include "media/medium.hpp"
+#include "media/tint.hpp"
 #include "module/parts.hpp"
 #include "scene/volume_file.hpp"
 
@@ -163,7 +164,7 @@ Materials checked_materials(const Floats &albedo, const std::optional<Floats> &g
     return out;
 }
 
-CheckedGrid checked_grid(const Floats &density, float empty_below) {
+CheckedGrid checked_grid(const Floats &density, float empty_below, const std::optional<Floats> &colour) {
     require_shape(density, {-1, -1, -1}, "density");
     if (density.size() == 0) {
         throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
@@ -173,11 +174,20 @@ CheckedGrid checked_grid(const Floats &density, float empty_below) {
     }
     require_range(density, 0.0F, 1e30F, "density");
     require_range(empty_below, 0.0F, std::numeric_limits<float>::infinity(), "empty_below");
+    if (colour) {
+        require_shape(*colour, {density.shape(0), density.shape(1), density.shape(2), 3}, "colour");
+        require_range(*colour, 0.0F, 1e30F, "colour");
+    }
     CheckedGrid out;
     out.resolution = {density.shape(2), density.shape(1), density.shape(0)};
     const std::span<const float> cells(density.data(), static_cast<std::size_t>(density.size()));
     const py::gil_scoped_release unlocked;
-    out.grid = crop(cells, glm::ivec3(out.resolution), empty_below);
+    const std::shared_ptr<Grid> grid = crop(cells, glm::ivec3(out.resolution), empty_below);
+    if (grid && colour) {
+        const std::span<const float> all(colour->data(), static_cast<std::size_t>(colour->size()));
+        tint(*grid, {glm::ivec3(out.resolution), {all, all.subspan(1), all.subspan(2)}, 3}, glm::dmat4(1.0));
+    }
+    out.grid = grid;
     return out;
 }
 
@@ -188,11 +198,19 @@ py::tuple shape_and_place(const VolumeHeader &header) {
     return py::make_tuple(py::make_tuple(n.z, n.y, n.x), to_numpy(header.grid_to_object));
 }
 
-CheckedGrid grid_from_file(const std::string &path, const std::string &grid, float empty_below) {
+CheckedGrid grid_from_file(const std::string &path, const std::string &grid, float empty_below,
+                           const std::optional<std::string> &colour) {
     require_range(empty_below, 0.0F, std::numeric_limits<float>::infinity(), "empty_below");
     const CheckedGrid out = from_file([&] {
         const VolumeBlocks volume = read_volume_blocks(path, grid);
-        return CheckedGrid{crop(volume.blocks, empty_below), glm::uvec3(volume.resolution)};
+        const std::shared_ptr<Grid> cropped = crop(volume.blocks, empty_below);
+        if (cropped && colour) {
+            const std::vector<VolumeFile> files = read_volume_colours(path, *colour);
+            const auto channel = [&](std::size_t c) { return std::span<const float>(files[c % files.size()].density); };
+            tint(*cropped, {files[0].resolution, {channel(0), channel(1), channel(2)}, 1},
+                 glm::inverse(files[0].grid_to_object) * volume.grid_to_object);
+        }
+        return CheckedGrid{cropped, glm::uvec3(volume.resolution)};
     });
     if (out.grid && out.grid->density.size() > static_cast<std::size_t>(MOST_CELLS)) {
         throw py::value_error("path '" + path + "' cannot be read: its grid '" + grid + "' takes " +
@@ -210,6 +228,9 @@ Scene ConsoleScene::for_reference() const {
             throw py::value_error("medium " + text(i) + " came as a Grid; the reference wants its densities");
         }
         scene.media[i].density.assign(densities[i]->data(), densities[i]->data() + densities[i]->size());
+        if (colours[i]) {
+            vectors(*colours[i], scene.media[i].colour);
+        }
     }
     return scene;
 }
@@ -265,9 +286,10 @@ ValueError: path 'missing.vdb' cannot be read: ...
 )");
     py::class_<CheckedGrid>(m, "Grid", R"(Densities of smoke, cropped to the cells above empty_below (see emptiness).
 
-density (nz, ny, nx), not negative. Scene.add_medium takes a Grid for its density: add the same one again, with a lamp
-that has moved, and what is still right of its light maps is kept. The array is not kept.
-Raises ValueError for an empty, negative or non-finite density.
+density (nz, ny, nx), not negative; colour (nz, ny, nx, 3), not negative, that of Scene.add_medium. Scene.add_medium
+takes a Grid for its density: add the same one again, with a lamp that has moved, and what is still right of its light
+maps is kept. The arrays are not kept.
+Raises ValueError for an empty, negative or non-finite density, and for colours of another shape.
 
 >>> import numpy as np
 >>> smoke = np.zeros((8, 8, 8), np.float32)
@@ -275,11 +297,11 @@ Raises ValueError for an empty, negative or non-finite density.
 >>> Grid(smoke).cells
 120
 )")
-        .def(py::init(&checked_grid), py::arg("density"), py::arg("empty_below") = 0.0F)
+        .def(py::init(&checked_grid), py::arg("density"), py::arg("empty_below") = 0.0F, py::arg("colour") = py::none())
         .def_static("from_file", &grid_from_file, py::arg("path"), py::arg("grid") = "density",
-                    py::arg("empty_below") = 0.0F,
-                    R"(The Grid of what read_volume gives, without that array in between. Raises ValueError that names
-the file and the cause.
+                    py::arg("empty_below") = 0.0F, py::arg("colour") = py::none(),
+                    R"(The Grid of what read_volume gives, without that array in between; colour, another grid of the
+file, of vectors or for grey of scalars, wherever it lies. Raises ValueError that names the file and the cause.
 
 >>> Grid.from_file("missing.vdb")  # doctest: +ELLIPSIS
 Traceback (most recent call last):
@@ -288,6 +310,9 @@ ValueError: path 'missing.vdb' cannot be read: ...
         .def_property_readonly(
             "amount", [](const CheckedGrid &grid) { return grid.grid ? grid.grid->amount : 0.0; },
             "The sum of all densities that are kept.")
+        .def_property_readonly(
+            "brightest", [](const CheckedGrid &grid) { return to_numpy(brightest(grid.grid.get())); },
+            "(3,): the highest value of each channel of its colour, 1 where it has none.")
         .def_property_readonly(
             "cells", [](const CheckedGrid &grid) { return grid.grid ? grid.grid->density.size() : 0; },
             "How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it. Where "

@@ -35,7 +35,8 @@ struct CheckedGrid {
     glm::uvec3 resolution{0};
 };
 
-CheckedGrid checked_grid(const arguments::Floats &density, float empty_below);
+CheckedGrid checked_grid(const arguments::Floats &density, float empty_below,
+                         const std::optional<arguments::Floats> &colour);
 
 // What `read` makes of a file, with the interpreter's lock released; its refusals are Python's.
 template <typename Read>
@@ -51,6 +52,7 @@ auto from_file(const Read &read) {
 // A scene, and the densities that its grids were made of: only the judge asks for those, so they stay the caller's.
 struct ConsoleScene : Scene {
     std::vector<std::optional<arguments::Floats>> densities; // of each medium; none where it came as a grid
+    std::vector<std::optional<arguments::Floats>> colours;   // of each medium
 
     // With all densities. Raises ValueError where a medium came as a grid.
     [[nodiscard]] Scene for_reference() const;

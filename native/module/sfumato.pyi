@@ -94,10 +94,13 @@ class Frame:
 class Grid:
     """Densities of smoke, cropped to the cells above empty_below (see emptiness)."""
 
-    def __init__(self, density: ArrayLike, empty_below: float = 0.0) -> None: ...
+    def __init__(self, density: ArrayLike, empty_below: float = 0.0, colour: ArrayLike | None = None) -> None: ...
     @property
     def amount(self) -> float:
         """The sum of all densities that are kept."""
+    @property
+    def brightest(self) -> NDArray[numpy.float32]:
+        """(3,): the highest value of each channel of its colour, 1 where it has none."""
     @property
     def cells(self) -> int:
         """How many are kept, one empty cell around the smoke included; 0 where nothing can be seen of it. Where most
@@ -105,9 +108,9 @@ class Grid:
         are.
         """
     @staticmethod
-    def from_file(path: str, grid: str = "density", empty_below: float = 0.0) -> Grid:
-        """The Grid of what read_volume gives, without that array in between. Raises ValueError that names the file
-        and the cause.
+    def from_file(path: str, grid: str = "density", empty_below: float = 0.0, colour: str | None = None) -> Grid:
+        """The Grid of what read_volume gives, without that array in between; colour, another grid of the file, of
+        vectors or for grey of scalars, wherever it lies. Raises ValueError that names the file and the cause.
         """
 
 class LearnedBasis:
@@ -181,6 +184,9 @@ class LitMedium:
     @property
     def scattering(self) -> NDArray[numpy.float32]:
         """(3,), per metre and unit density."""
+    @property
+    def tint(self) -> Any:
+        """(nz, ny, nx, 3): density times the colour in which it scatters; None where that is white. A copy."""
 
 class Mesh:
     """Triangles that any number of objects may share, in a space of their own."""
@@ -271,6 +277,7 @@ class Scene:
         scattering: ArrayLike,
         absorption: ArrayLike,
         anisotropy: float = 0.0,
+        colour: ArrayLike | None = None,
     ) -> None:
         """Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their
         densities add.

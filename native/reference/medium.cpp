@@ -26,42 +26,53 @@ glm::dmat4 world_to_grid(const Medium &medium) {
     return glm::inverse(glm::dmat4(medium.grid_to_world));
 }
 
-// One sample of the grid, zero off it.
-double sample(const Medium &medium, const glm::ivec3 &cell) {
-    const glm::ivec3 size(medium.resolution);
-    if (glm::any(glm::lessThan(cell, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(cell, size))) {
-        return 0.0;
-    }
-    const glm::uvec3 index(cell);
-    const std::size_t row = std::size_t{index.z} * medium.resolution.y + index.y;
-    return double{medium.density[row * medium.resolution.x + index.x]};
-}
-
-// Trilinear interpolation at a point in grid space.
-double interpolate(const Medium &medium, const glm::dvec3 &point) {
+// Trilinear interpolation at a point in grid space of what sample(index of a cell) gives; zero off the grid.
+template <typename Value, typename Sample>
+Value interpolate(const Medium &medium, const glm::dvec3 &point, const Sample &sample) {
     const glm::dvec3 position = point - 0.5; // in units in which the sample i is at i
     const glm::dvec3 size(medium.resolution);
     if (glm::any(glm::lessThanEqual(position, glm::dvec3(-1.0))) || glm::any(glm::greaterThanEqual(position, size))) {
-        return 0.0;
+        return Value(0.0);
     }
     const glm::dvec3 lower = glm::floor(position);
     const std::array<glm::dvec3, 2> weight{1.0 - (position - lower), position - lower};
-    double sum = 0.0;
+    Value sum(0.0);
     for (int k = 0; k < 2; ++k) {
         for (int j = 0; j < 2; ++j) {
             for (int i = 0; i < 2; ++i) {
-                const double corner = sample(medium, glm::ivec3(lower) + glm::ivec3(i, j, k));
-                sum += weight[std::size_t(i)].x * weight[std::size_t(j)].y * weight[std::size_t(k)].z * corner;
+                const glm::ivec3 cell = glm::ivec3(lower) + glm::ivec3(i, j, k);
+                if (glm::any(glm::lessThan(cell, glm::ivec3(0))) ||
+                    glm::any(glm::greaterThanEqual(cell, glm::ivec3(medium.resolution)))) {
+                    continue;
+                }
+                const glm::uvec3 index(cell);
+                const std::size_t row = std::size_t{index.z} * medium.resolution.y + index.y;
+                sum += weight[std::size_t(i)].x * weight[std::size_t(j)].y * weight[std::size_t(k)].z *
+                       sample(row * medium.resolution.x + index.x);
             }
         }
     }
     return sum;
 }
 
+double density_at(const Medium &medium, const glm::dvec3 &point) {
+    return interpolate<double>(medium, point, [&](std::size_t cell) { return double{medium.density[cell]}; });
+}
+
 } // namespace
 
 double density(const Medium &medium, const glm::dvec3 &world) {
-    return interpolate(medium, transform(world_to_grid(medium), world));
+    return density_at(medium, transform(world_to_grid(medium), world));
+}
+
+glm::dvec3 scattering(const Medium &medium, const glm::dvec3 &world) {
+    const glm::dvec3 white(medium.scattering);
+    if (medium.colour.empty()) {
+        return white * density(medium, world);
+    }
+    return white * interpolate<glm::dvec3>(medium, transform(world_to_grid(medium), world), [&](std::size_t cell) {
+               return glm::dvec3(medium.colour[cell]) * double{medium.density[cell]};
+           });
 }
 
 std::vector<double> cell_crossings(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &to) {
@@ -95,8 +106,8 @@ double column(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &to
         const double middle = 0.5 * (crossings[i] + crossings[i + 1]);
         const double half = 0.5 * (crossings[i + 1] - crossings[i]);
         const double offset = half / std::numbers::sqrt3;
-        sum += half * interpolate(medium, glm::mix(a, b, middle - offset));
-        sum += half * interpolate(medium, glm::mix(a, b, middle + offset));
+        sum += half * density_at(medium, glm::mix(a, b, middle - offset));
+        sum += half * density_at(medium, glm::mix(a, b, middle + offset));
     }
     return sum * glm::distance(from, to);
 }

@@ -114,7 +114,7 @@ glm::dvec3 scattered_at(const Scene &scene, const glm::dvec3 &x, const glm::dvec
             for (const Medium &medium : scene.media) {
                 // The light turns from the way it comes to the way on.
                 const double phase = henyey_greenstein(glm::dot(-sample.towards, onwards), double{medium.anisotropy});
-                sum += density(medium, x) * phase * glm::dvec3(medium.scattering) * arriving;
+                sum += scattering(medium, x) * phase * arriving;
             }
         }
     }

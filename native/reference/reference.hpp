@@ -30,6 +30,8 @@ constexpr double ENDLESS = std::numeric_limits<double>::infinity();
 // Density at a point in world space: trilinear between the cell centres, where samples off the grid are zero. So it
 // fades to zero over the half cell inside and the half cell outside each face of the grid.
 double density(const Medium &medium, const glm::dvec3 &world);
+// The scattering coefficient there, per metre.
+glm::dvec3 scattering(const Medium &medium, const glm::dvec3 &world);
 
 // Where the segment from `from` (0) to `to` (1) crosses planes through cell centres, in order, both ends included.
 // Between two neighbours in this list the density is one polynomial, a cubic in the distance.

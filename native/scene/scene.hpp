@@ -72,10 +72,13 @@ struct Instances {
 
 // Smoke: a grid of densities, cell-centred, interpolated trilinearly and zero outside.
 // Grid space is measured in cells: the cell (i, j, k) fills [i, i+1] x [j, j+1] x [k, k+1], its sample is at i + 1/2.
-// Every cross-section is a colour times the one scalar density, so one scalar map serves coloured smoke too.
+// Extinction is a colour times the one scalar density, so one scalar map serves coloured smoke too.
 struct Medium {
     glm::uvec3 resolution{0};
     std::vector<float> density; // x runs fastest
+    // The colour in which each cell scatters, by which `scattering` is multiplied; what it does not scatter of that, it
+    // absorbs. What is interpolated is density times colour. Or none: white.
+    std::vector<glm::vec3> colour;
     // What the frame makes of the density, where that is known already: then `density` may be empty.
     std::shared_ptr<const Grid> grid;
     glm::mat4 grid_to_world{1.0F};

@@ -24,14 +24,15 @@ constexpr std::string_view HALVED = "_HalfFloat"; // behind the type of a tree
 struct Stored {
     std::string_view name;
     VdbScalar scalar;
+    int channels;
     int bytes, bytes_as_half;
 };
 
 constexpr std::array STORED{
-    Stored{"float", VdbScalar::FLOAT, 4, 2}, Stored{"double", VdbScalar::DOUBLE, 8, 2},
-    Stored{"int32", VdbScalar::INT32, 4, 4}, Stored{"int64", VdbScalar::INT64, 8, 8},
-    Stored{"bool", VdbScalar::BOOL, 1, 1},   Stored{"vec3s", VdbScalar::NONE, 12, 6},
-    Stored{"vec3d", VdbScalar::NONE, 24, 6}, Stored{"vec3i", VdbScalar::NONE, 12, 12},
+    Stored{"float", VdbScalar::FLOAT, 1, 4, 2},   Stored{"double", VdbScalar::DOUBLE, 1, 8, 2},
+    Stored{"int32", VdbScalar::INT32, 1, 4, 4},   Stored{"int64", VdbScalar::INT64, 1, 8, 8},
+    Stored{"bool", VdbScalar::BOOL, 1, 1, 1},     Stored{"vec3s", VdbScalar::FLOAT, 3, 12, 6},
+    Stored{"vec3d", VdbScalar::DOUBLE, 3, 24, 6}, Stored{"vec3i", VdbScalar::INT32, 3, 12, 12},
 };
 
 // Of a tree like Tree_float_5_4_3. Of one that is not known, the name is all that can be said.
@@ -48,6 +49,7 @@ VdbNumbers numbers_of(const std::string &type, bool halved) {
             numbers.bytes = stored.bytes;
             numbers.bytes_in_nodes = halved ? stored.bytes_as_half : stored.bytes;
             numbers.scalar = stored.scalar;
+            numbers.channels = stored.channels;
         }
     }
     return numbers;

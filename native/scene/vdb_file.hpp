@@ -27,7 +27,9 @@ enum class VdbScalar { NONE, FLOAT, DOUBLE, INT32, INT64, BOOL };
 // How the numbers of a grid are stored.
 struct VdbNumbers {
     std::string name;                   // float, vec3s, ...
-    VdbScalar scalar = VdbScalar::NONE; // none where a value is a vector, or not known
+    VdbScalar scalar = VdbScalar::NONE; // none where it is not known, or not read
+    int channels = 1;                   // of a value, three where it is a vector
+    int channel = 0;                    // the one that is read
     int bytes = 0;                      // of a value, 0 where it is not known
     int bytes_in_nodes = 0;             // less where a grid is saved as half floats
     std::uint32_t compression = 0;      // bits of VdbCompression

@@ -29,36 +29,36 @@ float negative(float background, VdbScalar scalar) {
     return scalar == VdbScalar::BOOL ? 1.0F - background : -background;
 }
 
-template <typename Number, typename Convert>
-void convert(std::span<const std::byte> bytes, std::span<float> out, const Convert &as_float) {
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        Number value{};
-        std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
-        out[i] = as_float(value);
-    }
-}
-
-// As many as `out` has place for.
-void to_floats(std::span<const std::byte> bytes, VdbScalar scalar, bool halved, std::span<float> out) {
+// As many values as `out` has place for, of each the one channel that is read.
+void to_floats(std::span<const std::byte> bytes, const VdbNumbers &numbers, bool halved, std::span<float> out) {
+    const auto convert = [&](auto value, const auto &as_float) {
+        const std::size_t stride = sizeof value * static_cast<std::size_t>(numbers.channels);
+        const std::byte *from = bytes.data() + sizeof value * static_cast<std::size_t>(numbers.channel);
+        for (float &number : out) {
+            std::memcpy(&value, from, sizeof value);
+            number = as_float(value);
+            from += stride;
+        }
+    };
     const auto as_it_is = [](auto value) { return static_cast<float>(value); };
     if (halved) {
-        return convert<std::uint16_t>(bytes, out, [](std::uint16_t half) { return glm::unpackHalf1x16(half); });
+        return convert(std::uint16_t{}, [](std::uint16_t half) { return glm::unpackHalf1x16(half); });
     }
-    switch (scalar) {
+    switch (numbers.scalar) {
     case VdbScalar::FLOAT:
-        return convert<float>(bytes, out, as_it_is);
+        return convert(float{}, as_it_is);
     case VdbScalar::DOUBLE:
-        return convert<double>(bytes, out, as_it_is);
+        return convert(double{}, as_it_is);
     case VdbScalar::INT32:
-        return convert<std::int32_t>(bytes, out, as_it_is);
+        return convert(std::int32_t{}, as_it_is);
     case VdbScalar::INT64:
-        return convert<std::int64_t>(bytes, out, as_it_is);
+        return convert(std::int64_t{}, as_it_is);
     case VdbScalar::BOOL:
-        return convert<std::uint8_t>(bytes, out, [](std::uint8_t value) { return value != 0 ? 1.0F : 0.0F; });
+        return convert(std::uint8_t{}, [](std::uint8_t value) { return value != 0 ? 1.0F : 0.0F; });
     case VdbScalar::NONE:
         break;
     }
-    throw std::logic_error("vectors are no floats");
+    throw std::logic_error("what is not known cannot be read");
 }
 
 void unzip(std::span<const std::byte> chunk, std::span<std::byte> out) {
@@ -84,7 +84,7 @@ float read_value(VdbSource &source, const VdbNumbers &numbers) {
     const std::byte *bytes = source.take(numbers.bytes);
     float value = 0.0F;
     if (numbers.scalar != VdbScalar::NONE) {
-        to_floats({bytes, static_cast<std::size_t>(numbers.bytes)}, numbers.scalar, false, {&value, 1});
+        to_floats({bytes, static_cast<std::size_t>(numbers.bytes)}, numbers, false, {&value, 1});
     }
     return value;
 }
@@ -147,10 +147,10 @@ void VdbUnpacker::unpack(const VdbValues &values, std::span<float> out) {
     }
     const bool halved = numbers.bytes_in_nodes < numbers.bytes;
     if (count == out.size()) {
-        return to_floats(bytes, numbers.scalar, halved, out);
+        return to_floats(bytes, numbers, halved, out);
     }
     stored.resize(count);
-    to_floats(bytes, numbers.scalar, halved, stored);
+    to_floats(bytes, numbers, halved, stored);
     std::fill(out.begin(), out.end(), values.inactive[0]);
     values.second.for_each([&](int place) { out[static_cast<std::size_t>(place)] = values.inactive[1]; });
     std::size_t next = 0;

@@ -66,9 +66,9 @@ struct Chosen {
     VdbFile file;
     VdbGrid grid;
 
-    Chosen(const std::string &path, const std::string &name) : file(path), grid(file.find(name)) {
+    Chosen(const std::string &path, const std::string &name, bool colours) : file(path), grid(file.find(name)) {
         const auto refuse = [&](const std::string &why) { throw std::runtime_error("its grid '" + name + "' " + why); };
-        if (grid.numbers.scalar == VdbScalar::NONE) {
+        if (grid.numbers.scalar == VdbScalar::NONE || (grid.numbers.channels > 1 && !colours)) {
             refuse("holds " + grid.numbers.name + ", not floats");
         }
         file.read_head(grid);
@@ -88,7 +88,9 @@ struct Chosen {
         if (holder.tree == 0) {
             throw std::runtime_error("its grid '" + holder.name + "' has a " + holder.map);
         }
+        const int channel = grid.numbers.channel;
         grid.numbers = holder.numbers;
+        grid.numbers.channel = channel;
         return read_vdb_tree(file.hold_tree(holder), grid.numbers);
     }
 };
@@ -251,9 +253,9 @@ VolumeBlocks blocks(VdbTree tree, const VdbGrid &grid) {
 
 // use(the grid) with what it throws told as the file's.
 template <typename Use>
-auto read(const std::string &path, const std::string &name, const Use &use) {
+auto read(const std::string &path, const std::string &name, const Use &use, bool colours = false) {
     try {
-        Chosen chosen(path, name);
+        Chosen chosen(path, name, colours);
         return use(chosen);
     } catch (const std::bad_alloc &) {
         throw std::runtime_error("'" + path + "' cannot be read: there is no memory for it");
@@ -269,6 +271,18 @@ VolumeFile read_volume(const std::string &path, const std::string &grid) {
         const VdbTree tree = chosen.tree();
         return dense(tree, chosen.grid);
     });
+}
+
+std::vector<VolumeFile> read_volume_colours(const std::string &path, const std::string &grid) {
+    const auto channels = [](Chosen &chosen) {
+        std::vector<VolumeFile> out;
+        for (int &channel = chosen.grid.numbers.channel; channel < chosen.grid.numbers.channels; ++channel) {
+            const VdbTree tree = chosen.tree();
+            out.push_back(dense(tree, chosen.grid));
+        }
+        return out;
+    };
+    return read(path, grid, channels, true);
 }
 
 VolumeHeader read_volume_header(const std::string &path, const std::string &grid) {

@@ -35,6 +35,9 @@ VolumeFile read_volume(const std::string &path, const std::string &grid);
 // Of the same grid, and refused likewise, without a look at its voxels where the file tells their box by itself.
 VolumeHeader read_volume_header(const std::string &path, const std::string &grid);
 
+// The three channels of a grid of vectors, or the one that a grid of scalars has. Throws as read_volume does.
+std::vector<VolumeFile> read_volume_colours(const std::string &path, const std::string &grid);
+
 // The same grid without an array of its box. Voxels above 1e30 are refused too.
 VolumeBlocks read_volume_blocks(const std::string &path, const std::string &grid);
 

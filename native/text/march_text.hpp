@@ -29,7 +29,7 @@ struct MarchText : Asked {
     using Asked::MEDIA;
     using Asked::media_count;
     using Asked::place_at;
-    using Asked::scattering_of;
+    using Asked::scattering_at;
     using Asked::to_grid;
 #define float Real // NOLINT(clang-diagnostic-keyword-macro): the text is GLSL
 #define bool Mask  // NOLINT(clang-diagnostic-keyword-macro): of each lane

@@ -11,7 +11,7 @@
 // and what a medium answers:
 //   where it is         to_grid(m, point), along_grid(m, direction), grid_size(m), clearance_at(m, cell)
 //   what a step meets   place_at(m, cell), density_at(m, place), longest_step(m) in cells, extinction_of(m)
-//   what that scatters  scattering_of(m), anisotropy_of(m), light_at(m, place, light)
+//   what that scatters  scattering_at(m, place), anisotropy_of(m), light_at(m, place, light)
 // and a light: is_parallel(light), light_direction, light_position, light_size2, light_strength.
 
 // What lies behind this optical depth adds less than 1e-5 of its radiance: there a march stops.
@@ -69,7 +69,7 @@ vec3 scattered_by_medium(int m, Place place, float amount, Colour tau, Colour ta
     incoming = incoming * henyey_greenstein(-dot(travel, direction), anisotropy_of(m));
     sum = sum + light_strength(light) * (scattered_by_step(amount, tau, tau_eye, arriving.depth) * incoming);
   }
-  return sum * scattering_of(m); // grey smoke may still scatter in colours
+  return sum * scattering_at(m, place); // grey smoke may still scatter in colours
 }
 
 Smoke march(Ray ray, float reach)

@@ -34,7 +34,11 @@ vec3 transformed(int medium, vec4 place)
 #define place_at(medium, cell) ((cell) / grid_size(medium))
 #define longest_step(medium) view.media[6 * (medium) + 4].w
 #define extinction_of(medium) OF_COLOURS(view.media[6 * (medium) + 4])
-#define scattering_of(medium) view.media[6 * (medium) + 5].xyz
+#ifdef TINTED
+#  define scattering_at(medium, place) (view.media[6 * (medium) + 5].xyz * tint_at(medium, place))
+#else
+#  define scattering_at(medium, place) view.media[6 * (medium) + 5].xyz
+#endif
 #define anisotropy_of(medium) view.media[6 * (medium) + 5].w
 
 Arriving light_at(int medium, vec3 place, int light)

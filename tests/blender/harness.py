@@ -21,7 +21,7 @@ import pkgutil
 import sys
 import time
 import traceback
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from pathlib import Path
 from types import GeneratorType
 from typing import Any
@@ -118,6 +118,40 @@ def shade(data: Any, kind: str, socket: str = "Surface") -> bpy.types.ShaderNode
     material.node_tree.links.new(shader.outputs[0], output.inputs[socket])
     data.materials.append(material)
     return shader
+
+
+def bake(folder: str, colours: Sequence[tuple[float, float, float]] = ((0.7, 0.7, 0.7),)) -> bpy.types.Object:
+    """A few frames of smoke in the middle of an adaptive domain much larger than that: a puff of each colour."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    flows = []
+    for number in range(len(colours)):
+        bpy.ops.mesh.primitive_ico_sphere_add(radius=0.35, location=(0.1 + 0.5 * number, 0, 0.7))
+        flows.append(bpy.context.object)
+    bpy.ops.mesh.primitive_cube_add(size=2, location=(0, 0, 1.4))
+    domain = bpy.context.object
+    for vertex in domain.data.vertices:
+        vertex.co = (2.4 * vertex.co.x, 2.4 * vertex.co.y, 1.3 * vertex.co.z)
+    settings = domain.modifiers.new("Fluid", "FLUID")
+    settings.fluid_type = "DOMAIN"
+    settings = settings.domain_settings
+    settings.domain_type, settings.resolution_max, settings.use_adaptive_domain = "GAS", 32, True
+    settings.cache_directory, settings.cache_type, settings.cache_frame_end = folder, "ALL", 4
+    for thing, colour in zip(flows, colours):
+        thing.hide_render = True
+        flow = thing.modifiers.new("Fluid", "FLUID")
+        flow.fluid_type = "FLOW"
+        flow.flow_settings.flow_type, flow.flow_settings.flow_behavior = "SMOKE", "INFLOW"
+        flow.flow_settings.smoke_color = colour
+    for _ in range(2):
+        try:
+            bpy.context.view_layer.update()
+        except SystemError:  # of Mantaflow's first evaluation
+            continue
+    with bpy.context.temp_override(object=domain, active_object=domain):
+        bpy.ops.fluid.bake_all()
+    scene.frame_set(4)
+    return domain
 
 
 def open_plume(frame: int = 25) -> bpy.types.Object:

@@ -281,6 +281,41 @@ def test_the_reference_judges_the_frame() -> None:
     np.testing.assert_allclose(Frame(scene, 31, 4.0).transmittance(points)[:, 0], exact, atol=0.005)
 
 
+@pytest.mark.parametrize("filled", [1.0, 0.2])
+def test_the_reference_judges_smoke_in_many_colours(filled: float) -> None:
+    """Dense, and in bricks."""
+    draws = np.random.default_rng(5)
+    density = (draws.random((20, 20, 20)) * 0.5).astype(np.float32)
+    density[:, :, int(20 * filled) :] = 0.0
+    colour = draws.random((20, 20, 20, 3)).astype(np.float32)
+    placed = np.diag([0.05, 0.05, 0.05, 1.0])
+    pictures = []
+    for given in (colour, None):
+        scene, camera = Scene(), camera_from_above()
+        scene.add_medium(density, placed, (4, 6, 8), (1, 1, 1), anisotropy=0.3, colour=given)
+        scene.add_sun((0.3, 0.2, -1.0), (4, 4, 4))
+        expected = sfumato.reference.render(scene, camera, 12, 8, sun_samples_per_axis=1, step=0.02)
+        image = Frame(scene, 31, 4.0, 4.0).render(camera, 12, 8, edge_samples=1)
+        assert np.abs(image - expected).max() < 0.02 * expected.max()
+        pictures.append(image)
+    tinted, white = pictures
+    assert np.abs(tinted[..., 3] - white[..., 3]).max() < 1e-6, "what the smoke lets through stays the same"
+    assert tinted[..., :3].sum() < 0.7 * white[..., :3].sum()
+    grid = sfumato.Grid(density, colour=colour)
+    np.testing.assert_allclose(grid.brightest, colour[density > 0.0].max(axis=0), rtol=1e-5)
+    scene = Scene()
+    scene.add_medium(grid, placed, (4, 6, 8), (1, 1, 1), anisotropy=0.3)
+    scene.add_sun((0.3, 0.2, -1.0), (4, 4, 4))
+    (medium,) = Frame(scene).media
+    first = np.argwhere(density > 0.0).min(axis=0) - 1
+    part = tuple(slice(max(f, 0), None) for f in first)
+    inner = medium.tint[tuple(slice(max(-f, 0), None) for f in first)]
+    cells = (density[..., None] * colour)[part]
+    shape = np.minimum(inner.shape, cells.shape)[:3]
+    within = tuple(slice(0, n) for n in shape)
+    np.testing.assert_allclose(inner[within], cells[within], rtol=1e-5, atol=1e-7)
+
+
 def test_the_reference_judges_the_series() -> None:
     depth, alpha, d = np.array([0.2, 0.6, 0.4]), np.array([0.1, 0.3, 0.2]), np.array([0.0, 0.5, 1.0])
     series = sfumato.project(depth, -np.log(1.0 - alpha), coefficients=2001)

@@ -12,35 +12,6 @@ from sfumato.export import smoke
 SIZE = (96, 72)
 
 
-def bake(folder: str) -> bpy.types.Object:
-    """A few frames of smoke in the middle of a domain much larger than that."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    scene = bpy.context.scene
-    bpy.ops.mesh.primitive_cube_add(size=2, location=(0, 0, 1.4))
-    domain = bpy.context.object
-    for vertex in domain.data.vertices:
-        vertex.co = (2.4 * vertex.co.x, 2.4 * vertex.co.y, 1.3 * vertex.co.z)
-    settings = domain.modifiers.new("Fluid", "FLUID")
-    settings.fluid_type = "DOMAIN"
-    settings = settings.domain_settings
-    settings.domain_type, settings.resolution_max, settings.use_adaptive_domain = "GAS", 32, True
-    settings.cache_directory, settings.cache_type, settings.cache_frame_end = folder, "ALL", 4
-    bpy.ops.mesh.primitive_ico_sphere_add(radius=0.35, location=(0.1, 0, 0.7))
-    flow = bpy.context.object.modifiers.new("Fluid", "FLUID")
-    bpy.context.object.hide_render = True
-    flow.fluid_type = "FLOW"
-    flow.flow_settings.flow_type, flow.flow_settings.flow_behavior = "SMOKE", "INFLOW"
-    for _ in range(2):
-        try:
-            bpy.context.view_layer.update()
-        except SystemError:  # of Mantaflow's first evaluation
-            continue
-    with bpy.context.temp_override(object=domain, active_object=domain):
-        bpy.ops.fluid.bake_all()
-    scene.frame_set(4)
-    return domain
-
-
 def look() -> None:
     """From the front, in a sun from above; without a world, which lights nothing here."""
     scene, camera = bpy.context.scene, bpy.data.cameras.new("Camera")
@@ -60,7 +31,7 @@ def test_an_adaptive_domain_is_where_its_mesh_is() -> None:
     if harness.MANTAFLOW_ABORTS:
         raise harness.Skip("Mantaflow aborts in this Blender")
     with tempfile.TemporaryDirectory() as folder:
-        domain = bake(folder)
+        domain = harness.bake(folder)
         evaluated = domain.evaluated_get(bpy.context.evaluated_depsgraph_get())
         settings = evaluated.modifiers["Fluid"].domain_settings
         density, to_object = smoke.domain_grid(settings, 4)

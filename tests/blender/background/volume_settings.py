@@ -74,11 +74,6 @@ def test_the_material_says_which_grid_is_its_density() -> None:
     assert "holds no smoke" in refusal(thing), "the plume does not burn"
     shader.inputs["Density Attribute"].default_value = "soot"
     assert "'soot'" in refusal(thing) and "'density'" in refusal(thing)
-    shader.inputs["Density Attribute"].default_value = "density"
-    shader.inputs["Color Attribute"].default_value = "tint"
-    notices: list[str] = []
-    exported(thing, notices)
-    assert any("'tint'" in notice for notice in notices)
 
 
 def test_density_is_a_unit_of_the_objects_own_space() -> None:

@@ -30,7 +30,9 @@ def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True) -> 
     made = sfumato.Scene()
     scattering = (8.0, 12.0, 18.0) if coloured else (12.0, 12.0, 12.0)
     if smoke:
-        made.add_medium(density, grid_to_world, scattering, absorption=(1.0, 1.0, 1.0), anisotropy=0.4)
+        # The first body has a colour of its own in every cell, where there is a second beside it, which is white.
+        own = np.stack((x, y, z), axis=3) * 0.5 + 0.5 if lamps else None
+        made.add_medium(density, grid_to_world, scattering, (1.0, 1.0, 1.0), anisotropy=0.4, colour=own)
     made.add_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
     made.set_background((0.3, 0.4, 0.6))
     walls: tuple[tuple[ArrayLike, tuple[int, int, int]], ...] = (

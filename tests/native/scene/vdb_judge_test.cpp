@@ -307,6 +307,56 @@ TEST_F(Judged, StreamedFilesAreReadThrough) {
 }
 
 // The layout of these grids is that of 222 in all of them; 225 has a type of grid more.
+// Each channel of a vector, however it is stored; scalars are one channel.
+template <typename Grid>
+void expect_colours(const Folder &folder, const std::vector<std::uint32_t> &compressions) {
+    using Vector = typename Grid::ValueType;
+    using Number = typename Vector::value_type;
+    const auto grid = Grid::create(Vector(Number(1), Number(2), Number(3)));
+    grid->setName("tint");
+    for (int i = 0; i < 600; ++i) {
+        const openvdb::Coord at(i % 11 - 3, i % 7, i % 23);
+        const Vector value(Number(i % 13), Number(i % 5), Number(i % 3));
+        i % 4 == 0 ? grid->tree().setValueOff(at, value) : grid->tree().setValueOn(at, value);
+    }
+    grid->tree().addTile(1, {16, 0, 0}, Vector(Number(7), Number(8), Number(9)), true);
+    for (const bool half : {false, true}) {
+        grid->setSaveFloatAsHalf(half);
+        for (const std::uint32_t compression : compressions) {
+            SCOPED_TRACE(grid->valueType() + (half ? " as half, " : ", ") +
+                         openvdb::io::compressionToString(compression));
+            write(folder.path(), {grid}, compression);
+            const std::vector<VolumeFile> channels = read_volume_colours(folder.path(), "tint");
+            ASSERT_EQ(channels.size(), 3U);
+            const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
+            std::size_t at = 0;
+            for (int z = box.min().z(); z <= box.max().z(); ++z) {
+                for (int y = box.min().y(); y <= box.max().y(); ++y) {
+                    for (int x = box.min().x(); x <= box.max().x(); ++x, ++at) {
+                        const Vector expected = grid->tree().getValue({x, y, z});
+                        for (std::size_t c = 0; c < 3; ++c) {
+                            ASSERT_EQ(channels[c].density.at(at), static_cast<float>(expected[static_cast<int>(c)]));
+                        }
+                    }
+                }
+            }
+            EXPECT_EQ(at, channels[0].density.size());
+        }
+    }
+}
+
+TEST_F(Judged, ColoursAreReadChannelByChannel) {
+    const std::vector<std::uint32_t> all(std::begin(COMPRESSIONS), std::end(COMPRESSIONS));
+    expect_colours<openvdb::Vec3SGrid>(folder, all);
+    expect_colours<openvdb::Vec3DGrid>(folder, {NO_COMPRESSION, BLOSC | ACTIVE});
+    expect_colours<openvdb::Vec3IGrid>(folder, {NO_COMPRESSION, BLOSC | ACTIVE});
+    const auto grey = varied_grid<openvdb::FloatGrid>(0.25F);
+    write(folder.path(), {grey});
+    const std::vector<VolumeFile> channels = read_volume_colours(folder.path(), "density");
+    ASSERT_EQ(channels.size(), 1U);
+    EXPECT_TRUE(same_bits(channels[0].density, judged(folder.path(), "density").density));
+}
+
 TEST_F(Judged, VersionsFrom222To225AreRead) {
     write(folder.path(), {varied_grid<openvdb::FloatGrid>(0.25F)});
     std::string bytes = bytes_of(folder.path());
