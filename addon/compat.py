@@ -13,17 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def set_pixels(layer: Any, image: NDArray[np.float32]) -> None:
-    """Fill the combined pass of a render layer with (height, width, 4) pixels. 3.4.1 against 4.2.23: every render."""
-    flat = np.ascontiguousarray(image, dtype=np.float32).reshape(-1)
-    combined = layer.passes["Combined"]
-    if bpy.app.version >= (4, 0, 0):
-        combined.rect.foreach_set(flat)
-    elif len(layer.passes) == 1:
-        # `rect` itself takes Python lists only before 4.0, at 90 ms for 640 x 360; its collection takes a buffer.
-        layer.passes.foreach_set("rect", flat)
-    else:
-        combined.rect = image.reshape(-1, 4).tolist()
+def set_pixels(layer: Any, views: list[dict[str, NDArray[np.float32]]]) -> None:
+    """Fill all passes of a render layer: of each view (height, width, channels) pixels by the pass's name."""
+    # `rect` itself takes Python lists only before 4.0, at 90 ms for 640 x 360; its collection takes a buffer of all.
+    flat = [np.ascontiguousarray(views[one.view_id][one.name], dtype=np.float32).reshape(-1) for one in layer.passes]
+    layer.passes.foreach_set("rect", np.concatenate(flat))
 
 
 def normals(mesh: Any, own_copy: bool) -> NDArray[np.float32] | None:
@@ -202,3 +196,60 @@ def emission_socket(principled: Any) -> str:
 def uses_nodes(owner: Any) -> bool:
     """Whether a material or world is made of nodes: always so since 5.0. A new world's are None in 4.5.15, in 5.0.1 not."""
     return bpy.app.version >= (5, 0, 0) or bool(owner.use_nodes)
+
+
+def compositing_tree(scene: Any) -> Any:
+    """The nodes that a scene's picture goes through, switched on; made where there are none. A tree of the file's since 5.0,
+    of the scene's own before."""
+    if not hasattr(scene, "compositing_node_group"):
+        scene.use_nodes = True
+        tree = scene.node_tree
+    else:
+        if scene.compositing_node_group is None:
+            scene.compositing_node_group = bpy.data.node_groups.new(f"{scene.name} Compositing", "CompositorNodeTree")
+        tree = scene.compositing_node_group
+    scene.render.use_compositing = True
+    return tree
+
+
+def remove_compositing(scene: Any) -> None:
+    """Let a scene's picture go through no nodes."""
+    if hasattr(scene, "compositing_node_group"):
+        scene.compositing_node_group = None
+    else:
+        scene.use_nodes = False
+
+
+def compositing_output(tree: Any) -> Any:
+    """The socket that takes the finished picture of a compositor's nodes: of a Composite node before 5.0, of the group's
+    output since."""
+    if hasattr(bpy.types, "CompositorNodeComposite"):
+        found = [node for node in tree.nodes if node.type == "COMPOSITE"]
+        node = found[0] if found else tree.nodes.new("CompositorNodeComposite")
+        return node.inputs["Image"]
+    if not any(item.item_type == "SOCKET" and item.in_out == "OUTPUT" for item in tree.interface.items_tree):
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    found = [node for node in tree.nodes if node.type == "GROUP_OUTPUT"]
+    node = found[0] if found else tree.nodes.new("NodeGroupOutput")
+    return node.inputs[0]
+
+
+def multiply_node(tree: Any) -> tuple[Any, tuple[Any, Any], Any]:
+    """A compositor's node that multiplies colours: it, its two inputs and its output. 4.5.15 against 5.0.1: 'Node type
+    CompositorNodeMixRGB undefined'."""
+    if hasattr(bpy.types, "CompositorNodeMixRGB"):
+        node = tree.nodes.new("CompositorNodeMixRGB")
+        node.blend_type = "MULTIPLY"
+        return node, (node.inputs[1], node.inputs[2]), node.outputs[0]
+    node = tree.nodes.new("ShaderNodeMix")
+    node.data_type, node.blend_type, node.clamp_result = "RGBA", "MULTIPLY", False
+    node.inputs[0].default_value = 1.0
+    colours = [socket for socket in node.inputs if socket.type == "RGBA"]
+    return node, (colours[0], colours[1]), next(socket for socket in node.outputs if socket.type == "RGBA")
+
+
+def over_node(tree: Any) -> tuple[Any, tuple[Any, Any]]:
+    """A compositor's node that lays one premultiplied picture over another: it, and the inputs of that behind and before."""
+    node = tree.nodes.new("CompositorNodeAlphaOver")
+    colours = [socket for socket in node.inputs if socket.type == "RGBA"]
+    return node, (colours[0], colours[1])

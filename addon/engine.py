@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import compat, core, log, props
+from . import compat, core, log, passes, props
 from .export import parts, scene
 from .view import rendered
 
@@ -24,35 +24,63 @@ class SfumatoEngine(bpy.types.RenderEngine):
     view_frame: Any = None
     view_filter: tuple[Any, ...] = ()
 
+    def update_render_passes(self, scene: Any, renderlayer: Any) -> None:
+        passes.register_passes(self, scene, renderlayer)
+
     def render(self, depsgraph: Any) -> None:
         settings = depsgraph.scene
-        size = image_size(settings.render)
+        layer = depsgraph.view_layer
+        if self.camera_override is None and settings.camera is None:
+            self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
+            return
         try:
-            camera = camera_of(settings, depsgraph)
-            if camera is None:
-                self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
-                return
             # A farm sees an error, and a status of 1, rather than a picture that lacks its smoke.
             whole = bpy.app.background and props.of(settings).missing_is_error
             frame = scene.frame_of(depsgraph, "render", parts.of_render(settings), whole)
-            window, extent = border_of(settings.render, size)
-            image = frame.render(
-                core.module().Camera(window @ camera),
-                *extent,
-                edge_samples=props.QUALITIES[props.of(settings).quality].edge_samples,
-                progress=self.go_on,
-            )
+            log.replace("passes", passes.notices(layer))
+            views: list[passes.Images] = []
+            for view in self.get_result().views:
+                self.active_view_set(view.name)
+                images = self.images_of(frame, depsgraph)
+                if images is None:
+                    return
+                views.append(images)
         except (core.Missing, ValueError, RuntimeError) as error:
             self.report({"ERROR"}, str(error))
             return
         log.took(frame.stages)
-        if image is None:
-            return
-        if not settings.render.film_transparent:
-            image[..., 3] = 1.0
-        result = self.begin_result(0, 0, *extent, layer=depsgraph.view_layer.name)
-        compat.set_pixels(result.layers[0], image)
+        height, width = views[0]["Combined"].shape[:2]
+        for each in passes.asked_for(layer):
+            self.add_pass(each.name, len(each.channels), each.channels, layer=layer.name)
+        result = self.begin_result(0, 0, width, height, layer=layer.name)
+        compat.set_pixels(result.layers[0], views)
+        for name, value in log.metadata(props.of(settings).quality).items():
+            result.stamp_data_add_field(name, value)
         self.end_result(result)
+
+    def images_of(self, frame: Any, depsgraph: Any) -> passes.Images | None:
+        """The pixels of all passes of the active view, or None where the artist stopped it."""
+        settings = depsgraph.scene
+        # In a strip of a scene, or for one of several views, it is another camera than the scene's.
+        camera = self.camera_override or settings.camera.evaluated_get(depsgraph)
+        view = np.linalg.inv(np.array(self.camera_model_matrix(camera), dtype=np.float64))
+        projection = projection_of(camera, self.camera_shift_x(camera), settings.render, depsgraph)
+        window, extent = border_of(settings.render, image_size(settings.render))
+        wanted = passes.asked_for(depsgraph.view_layer)
+        images: passes.Images | None = frame.passes(
+            core.module().Camera(window @ projection @ view),
+            *extent,
+            list({each.image for each in wanted}),
+            edge_samples=props.QUALITIES[props.of(settings).quality].edge_samples,
+            progress=self.go_on,
+            mist=passes.mist_of(settings.world),
+            **passes.eye_of(camera, view),
+        )
+        if images is None:
+            return None
+        if not settings.render.film_transparent:
+            images["picture"][..., 3] = 1.0
+        return passes.pixels_of(wanted, images, view)
 
     def view_update(self, context: Any, depsgraph: Any) -> None:
         self.view_frame, self.view_filter = None, scene.filter_of(context.space_data)
@@ -83,16 +111,18 @@ def image_size(render: Any) -> tuple[int, int]:
     return max(1, width), max(1, height)
 
 
-def camera_of(settings: Any, depsgraph: Any) -> NDArray[np.float64] | None:
-    """World to clip space for the scene's camera, or None without one."""
-    if settings.camera is None:
-        return None
-    camera = settings.camera.evaluated_get(depsgraph)
-    width, height = image_size(settings.render)
-    aspect = settings.render.pixel_aspect_x, settings.render.pixel_aspect_y
-    projection = camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=aspect[0], scale_y=aspect[1])
-    view = camera.matrix_world.normalized().inverted()
-    return np.array(projection, dtype=np.float64) @ np.array(view, dtype=np.float64)
+def projection_of(camera: Any, shift_x: float, render: Any, depsgraph: Any) -> NDArray[np.float64]:
+    """A camera's space to clip space, where a stereo view shifts the picture by `shift_x` rather than by its own shift."""
+    width, height = image_size(render)
+    aspect = render.pixel_aspect_x, render.pixel_aspect_y
+    matrix = camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=aspect[0], scale_y=aspect[1])
+    projection = np.array(matrix, dtype=np.float64)
+    sides = width * aspect[0], height * aspect[1]
+    fits = {"HORIZONTAL": sides[0], "VERTICAL": sides[1]}.get(camera.data.sensor_fit, max(sides))
+    # Shifts count in the side that the sensor fits, clip space in half the width.
+    moved = 2.0 * (shift_x - camera.data.shift_x) * fits / sides[0]
+    projection[0] -= moved * projection[3]
+    return projection
 
 
 def border_of(render: Any, size: tuple[int, int]) -> tuple[NDArray[np.float64], tuple[int, int]]:

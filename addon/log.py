@@ -34,5 +34,11 @@ def took(stages: dict[str, float]) -> None:
     _stages.update(stages)
 
 
+def metadata(quality: str) -> dict[str, str]:
+    """What a picture's file says of how it was made."""
+    times = ", ".join(f"{name} {seconds:.3f} s" for name, seconds in _stages.items())
+    return {"Sfumato quality": quality.capitalize(), "Sfumato stages": times}
+
+
 def stages() -> dict[str, float]:
     return _stages

@@ -52,6 +52,11 @@ class SfumatoSettings(bpy.types.PropertyGroup):
         "stops with status 1. Otherwise the frame is rendered without that smoke",
         default=True,
     )
+    smoke_scene: bpy.props.PointerProperty(  # type: ignore[valid-type]
+        name="Smoke Scene",
+        description="The scene that has this one's smoke, where another engine renders all else",
+        type=bpy.types.Scene,
+    )
 
 
 def register() -> None:

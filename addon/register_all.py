@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import bpy
 
-from . import core, engine, log, props, ui
+from . import core, engine, log, passes, props, ui
 from .view import overlay
 
 
 def register() -> None:
     props.register()
+    passes.register()
     bpy.utils.register_class(engine.SfumatoEngine)
     ui.register()
     if problem := core.problem():
@@ -23,6 +24,7 @@ def unregister() -> None:
     overlay.disable()
     ui.unregister()
     bpy.utils.unregister_class(engine.SfumatoEngine)
+    passes.unregister()
     props.unregister()
     log.clear()
     core.end_threads()

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from . import core, log, ops, props
+from . import core, log, ops, passes, props
 
 ENGINE = "SFUMATO"
 # Blender's own panels that make sense here are those of its plainest engine, and for lights, worlds and materials
@@ -61,6 +61,8 @@ class SfumatoViewportPanel(bpy.types.Panel):
         layout.prop(settings, "viewport_enabled")
         layout.prop(settings, "quality")
         layout.operator(ops.SfumatoHideOwnSmoke.bl_idname)
+        if context.scene.render.engine != ENGINE:
+            layout.operator(ops.SfumatoAddSmoke.bl_idname)
         draw_notices(layout, context.region.width)
 
 
@@ -103,6 +105,32 @@ class SfumatoRenderStagesPanel(StagesPanel, bpy.types.Panel):
     COMPAT_ENGINES = {ENGINE}
 
 
+class SfumatoPassesPanel(bpy.types.Panel):
+    bl_idname = "SFUMATO_PT_passes"
+    bl_label = "Passes"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "view_layer"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(context.engine == ENGINE)
+
+    def draw(self, context: Any) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        view_layer = context.view_layer
+        column = layout.column(heading="Smoke", align=True)
+        column.prop(passes.of(view_layer), "smoke")
+        column.prop(passes.of(view_layer), "smoke_shadow")
+        column = layout.column(heading="Data", align=True)
+        for each in passes.PASSES:
+            if not each.own:
+                column.prop(view_layer, each.switch)
+
+
 class SfumatoPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
@@ -116,10 +144,12 @@ class SfumatoPreferences(bpy.types.AddonPreferences):
 
 CLASSES = (
     ops.SfumatoHideOwnSmoke,
+    ops.SfumatoAddSmoke,
     SfumatoViewportPanel,
     SfumatoViewportStagesPanel,
     SfumatoRenderPanel,
     SfumatoRenderStagesPanel,
+    SfumatoPassesPanel,
     SfumatoPreferences,
 )
 

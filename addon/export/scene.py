@@ -37,7 +37,9 @@ class _Group:
     mesh: Any
     surfaces: list[materials.Surface]
     triangles: meshes.Triangles | None  # of what glows
+    material_indices: list[int]
     places: list[int] = field(default_factory=list)
+    object_indices: list[int] = field(default_factory=list)
 
 
 def filter_of(space: Any) -> tuple[Any, ...]:
@@ -79,6 +81,7 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Exp
             group = groups[key]
             if group is not None:
                 group.places.append(number)
+                group.object_indices.append(thing.pass_index)
             continue
         try:
             if thing.type == "LIGHT":
@@ -91,6 +94,7 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Exp
                 groups[key] = group = _group_of(thing, depsgraph, parts, out.notices)
                 if group is not None:
                     group.places.append(number)
+                    group.object_indices.append(thing.pass_index)
         except ValueError as error:
             groups[key] = None
             out.notices.append(f"{thing.name}: {error}")
@@ -146,13 +150,15 @@ def _group_of(thing: Any, depsgraph: Any, parts: Parts, notices: list[str]) -> _
     if mesh is None:
         return None
     glows = any(surface.emission.any() for surface in surfaces)
-    return _Group(thing.name, mesh, surfaces, meshes.triangles_of(thing, len(surfaces)) if glows else None)
+    indices = [slot.material.pass_index if slot.material else 0 for slot in thing.material_slots] or [0]
+    return _Group(thing.name, mesh, surfaces, meshes.triangles_of(thing, len(surfaces)) if glows else None, indices)
 
 
 def add_surfaces(out: Export, group: _Group, places: NDArray[np.float64]) -> int:
     """The triangles of an object in all its places (n, 4, 4). Returns how many lights those that emit are."""
     surfaces = group.surfaces
     usable = np.isfinite(places).all(axis=(1, 2))
+    indices = np.array(group.object_indices, dtype=np.float64)[usable]
     if not usable.all():
         out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
         places = places[usable]
@@ -167,6 +173,8 @@ def add_surfaces(out: Export, group: _Group, places: NDArray[np.float64]) -> int
             gloss,
             emission=emission if emission.any() else None,
             diffuse_roughness=rough if rough.max() >= 0.0 else None,
+            object_index=indices,
+            material_index=np.array(group.material_indices, dtype=np.float64),
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")

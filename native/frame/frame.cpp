@@ -55,6 +55,22 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
     return picture ? std::optional(std::move(picture->rgba)) : std::nullopt;
 }
 
+std::optional<Image> Frame::passes(const Camera &camera, int width, int height, LayerSet wanted, const Mist &mist,
+                                   int edge_samples, const Progress &progress) const {
+    const MediaViews media = views_of(content_.media, step_length_);
+    FrameView seen = view(camera, media.views);
+    seen.mist = mist;
+    const Tracer tracer{*instruction_set_, seen, wanted, *clock_};
+    std::optional<Image> picture =
+        prepared_->arena.execute([&] { return traced(tracer, width, height, edge_samples, progress); });
+    if (picture) {
+        for (PassImage &pass : picture->passes) {
+            pass.finish();
+        }
+    }
+    return picture;
+}
+
 std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int width, int height, Layer layer,
                                                   int edge_samples, const Progress &progress) const {
     std::optional<Image> picture = image(camera, width, height, layer, edge_samples, progress);

@@ -2,6 +2,8 @@
 #include "frame/layers.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 
 namespace sfumato {
 namespace {
@@ -15,6 +17,12 @@ struct Behind {
 void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers) {
     const bool smoky = wanted.has(Layer::SMOKE) && !view.media.empty();
     const bool overlay = wanted.overlay();
+    if (!smoky && wanted.has(Layer::SMOKE_ALONE)) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            std::fill(std::begin(layers.smoke[c]), std::end(layers.smoke[c]), 0.0F);
+            std::fill(std::begin(layers.through[c]), std::end(layers.through[c]), 1.0F);
+        }
+    }
     for (int lane = 0; lane < lanes; ++lane) {
         float left = 0.0F, through = 0.0F;
         for (int c = 0; c < 3; ++c) {

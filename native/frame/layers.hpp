@@ -16,6 +16,14 @@
 
 namespace sfumato {
 
+// How a picture fades with the distance from the eye: from `start` on, over `depth`, both in metres, by a power of the
+// share of the way. Of an orthographic camera what counts is the distance along its axis, of others, whose `axis` is 0,
+// the way to the eye.
+struct Mist {
+    glm::vec3 eye{0.0F}, axis{0.0F};
+    float start = 0.0F, depth = 1.0F, power = 1.0F;
+};
+
 struct FrameView {
     std::array<glm::vec3, 6> camera; // near0, near_u, near_v, far0, far_u, far_v
     SurfaceView surfaces;
@@ -24,30 +32,41 @@ struct FrameView {
     bool grey = true; // all extinctions are: one march serves all colours
     glm::vec3 background{0.0F};
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most
+    Mist mist;                    // where that is asked for
 };
 
-enum class Layer : std::uint8_t {
+enum class Layer : std::uint16_t {
     RADIANCE = 1,     // of the first surface or the background, in all shadows, but as if no smoke stood before it
     SMOKE_SHADOW = 2, // the share of its light that smoke takes
     ALL_SHADOWS = 4,  // the share of its light that smoke and solids take
-    SMOKE = 8         // what the smoke before the surface sends to the eye, and what it leaves of all behind it
+    SMOKE = 8,        // what the smoke before the surface sends to the eye, and what it leaves of all behind it
+    // Of a picture, for compositors (PassLayers):
+    POSITION = 16,
+    NORMAL = 32,
+    MIST = 64,
+    OBJECT_INDEX = 128,
+    MATERIAL_INDEX = 256,
+    SMOKE_ALONE = 512,
+    LEFT_BY_SMOKE = 1024, // the share of a surface's radiance that smoke leaves it
+    LEFT_BY_ALL = 2048    // the share of the light that it reflects that smoke and solids leave it
 };
 
 // What a picture asks for: one layer of the surface, and the smoke or not. With the smoke the two are composited:
 // before the radiance, a finished picture; before a shadow, what an overlay adds to another picture of the surfaces,
 // and what it leaves of that.
 struct LayerSet {
-    std::uint8_t bits = 0;
+    std::uint16_t bits = 0;
 
     constexpr LayerSet() = default;
     constexpr LayerSet(Layer layer) // NOLINT(google-explicit-constructor): one layer is a set
-        : bits(static_cast<std::uint8_t>(layer)) {}
-    [[nodiscard]] constexpr bool has(Layer layer) const { return (bits & static_cast<std::uint8_t>(layer)) != 0; }
+        : bits(static_cast<std::uint16_t>(layer)) {}
+    [[nodiscard]] constexpr bool has(Layer layer) const { return (bits & static_cast<std::uint16_t>(layer)) != 0; }
+    [[nodiscard]] constexpr bool passes() const { return bits >= static_cast<std::uint16_t>(Layer::POSITION); }
     [[nodiscard]] constexpr bool shadow() const { return has(Layer::SMOKE_SHADOW) || has(Layer::ALL_SHADOWS); }
     [[nodiscard]] constexpr bool overlay() const { return shadow() && has(Layer::SMOKE); }
     [[nodiscard]] constexpr LayerSet with(Layer layer) const {
         LayerSet both = *this;
-        both.bits = static_cast<std::uint8_t>(both.bits | static_cast<std::uint8_t>(layer));
+        both.bits = static_cast<std::uint16_t>(both.bits | static_cast<std::uint16_t>(layer));
         return both;
     }
 };
@@ -70,6 +89,18 @@ struct Packet {
     std::span<ShadowSample> shadows;
 };
 
+// What a compositor is given of the first surface on each ray; 0 where there is none. Of these, what is asked for.
+struct PassLayers {
+    alignas(64) float position[3][MAX_LANES];
+    alignas(64) float normal[3][MAX_LANES]; // shading normal, towards the eye
+    alignas(64) float mist[MAX_LANES];      // 1 where there is no surface
+    alignas(64) float object_index[MAX_LANES];
+    alignas(64) float material_index[MAX_LANES];
+    alignas(64) float open[3][MAX_LANES];       // the radiance, were there no smoke; the background's too
+    alignas(64) float shadowed[3][MAX_LANES];   // the light that is reflected, in all shadows
+    alignas(64) float unshadowed[3][MAX_LANES]; // were there no shadows at all
+};
+
 // What becomes of a packet. Each stage writes its own.
 struct Layers {
     // Surfaces: the first on each ray.
@@ -85,6 +116,8 @@ struct Layers {
     alignas(64) float picture[4][MAX_LANES]; // premultiplied RGBA; of one layer or an overlay the alpha is `hit`
     alignas(64) float behind[3][MAX_LANES];  // of an overlay: the share left of what lies behind the smoke
     alignas(64) float seen[MAX_LANES];       // the share of `open` that smoke leaves: before the surface and on it
+    // Only where passes are asked for.
+    PassLayers *passes = nullptr;
 };
 
 struct FrameKernels {

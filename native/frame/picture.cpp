@@ -36,7 +36,9 @@ void trace_row(const Tracer &tracer, bool spread, Image &image, int y) {
     tracer.trace(static_cast<std::size_t>(image.width), fill,
                  [&](const Layers &layers, std::size_t lane, std::size_t x) {
                      const std::size_t pixel = image.at(static_cast<int>(x), y);
-                     image.set_colour(pixel, layers, lane);
+                     Image::Sample values{};
+                     image.read(layers, lane, values);
+                     image.set(pixel, values, true);
                      image.surfaces[pixel] = layers.open[lane];
                      image.unshadowed[pixel] = layers.unshadowed[lane];
                      image.seen[pixel] = layers.seen[lane];
@@ -46,6 +48,24 @@ void trace_row(const Tracer &tracer, bool spread, Image &image, int y) {
 
 // What of a pixel one sample cannot tell.
 enum class Unsure : std::uint8_t { NOTHING, SHADOWS, ALL };
+
+// Whether what a compositor is given of surfaces themselves changes between two opposite neighbours.
+bool passes_bend(const Image &image, std::size_t before, std::size_t centre, std::size_t after) {
+    constexpr float BEND = 0.05F;
+    return std::any_of(image.passes.begin(), image.passes.end(), [&](const PassImage &pass) {
+        if (pass.kind->layer != Layer::NORMAL && pass.kind->layer != Layer::MIST) {
+            return false;
+        }
+        const std::size_t count = pass.kind->sums;
+        for (std::size_t c = 0; c < count; ++c) {
+            const auto at = [&](std::size_t pixel) { return pass.values[count * pixel + c]; };
+            if (std::abs(at(before) + at(after) - 2.0F * at(centre)) > BEND) {
+                return true;
+            }
+        }
+        return false;
+    });
+}
 
 // Whether surfaces or their shadows change around a pixel by more than one sample can tell. Filtering leaves a linear
 // ramp as it is, so what counts is how far a pixel is from the middle between two opposite neighbours: of that, what
@@ -76,7 +96,7 @@ Unsure unsure_of(const Image &image, int x, int y) {
         const bool edge = change > CONTRAST * (brightness + change);
         const bool shadow = unshadowed <= CONTRAST * (image.unshadowed[centre] + unshadowed) &&
                             bend(image.distance) <= STEP * image.distance[centre];
-        if (rim || (edge && !shadow)) {
+        if (rim || (edge && !shadow) || passes_bend(image, before, centre, after)) {
             return Unsure::ALL;
         }
         found = edge ? Unsure::SHADOWS : found;
@@ -88,8 +108,8 @@ using Patterns = std::vector<std::vector<FilmSample>>; // of each turn
 
 // Samples some pixels of a row: of each its own pattern, in as few packets as hold them all.
 void refine_pixels(const Tracer &tracer, const Patterns &patterns, Image &image, std::span<const int> columns, int y) {
-    const std::size_t count = patterns.front().size();
-    std::vector<std::array<double, 4>> sums(columns.size());
+    const std::size_t count = patterns.front().size(), sums = image.sums();
+    std::vector<double> sum(columns.size() * sums);
     const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
         const int x = columns[number / count];
         const FilmSample &s = patterns[static_cast<std::size_t>(film_turn(x, y))][number % count];
@@ -99,15 +119,18 @@ void refine_pixels(const Tracer &tracer, const Patterns &patterns, Image &image,
         packet.light_v[lane] = s.light_v;
     };
     tracer.trace(columns.size() * count, fill, [&](const Layers &layers, std::size_t lane, std::size_t number) {
-        for (std::size_t c = 0; c < 4; ++c) {
-            sums[number / count][c] += static_cast<double>(layers.picture[c][lane]);
+        Image::Sample values{};
+        image.read(layers, lane, values);
+        for (std::size_t c = 0; c < sums; ++c) {
+            sum[number / count * sums + c] += static_cast<double>(values[c]);
         }
     });
     for (std::size_t i = 0; i < columns.size(); ++i) {
-        float *const rgba = image.rgba.data() + 4 * image.at(columns[i], y);
-        for (std::size_t c = 0; c < 4; ++c) {
-            rgba[c] = static_cast<float>(sums[i][c] / static_cast<double>(count));
+        Image::Sample values{};
+        for (std::size_t c = 0; c < sums; ++c) {
+            values[c] = static_cast<float>(sum[i * sums + c] / static_cast<double>(count));
         }
+        image.set(image.at(columns[i], y), values, false);
     }
 }
 
@@ -128,7 +151,9 @@ void refine_shadows(const Tracer &tracer, const Patterns &patterns, Image &image
         }
     };
     const auto take = [&](const Layers &layers, std::size_t lane, std::size_t number) {
-        image.set_colour(image.at(columns[number], y), layers, lane);
+        Image::Sample values{};
+        image.read(layers, lane, values);
+        image.set(image.at(columns[number], y), values, true);
     };
     tracer.trace(columns.size(), fill, take, patterns.front().size());
 }

@@ -3,8 +3,10 @@
 // enough.
 #pragma once
 
+#include "frame/passes.hpp"
 #include "frame/stages.hpp"
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -22,19 +24,48 @@ struct Image {
     std::vector<float> surfaces;   // Layers.open
     std::vector<float> unshadowed; // and the others of Layers
     std::vector<float> seen;
-    std::vector<float> distance; // at the pixel's centre
+    std::vector<float> distance;   // at the pixel's centre
+    std::vector<PassImage> passes; // those of `wanted`
 
     Image(LayerSet what, int w, int h)
         : wanted(what), width(w), height(h), rgba(4 * at(0, h)), surfaces(at(0, h)), unshadowed(at(0, h)),
-          seen(at(0, h)), distance(at(0, h)) {}
+          seen(at(0, h)), distance(at(0, h)), passes(pass_images(what, at(0, h))) {}
 
     [[nodiscard]] std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
     }
 
-    void set_colour(std::size_t pixel, const Layers &layers, std::size_t lane) {
+    // What a sample brings: RGBA, and of each pass its sums.
+    [[nodiscard]] std::size_t sums() const {
+        std::size_t sum = 4;
+        for (const PassImage &pass : passes) {
+            sum += pass.kind->sums;
+        }
+        return sum;
+    }
+    using Sample = std::array<float, 4 + MOST_SUMS>;
+    void read(const Layers &layers, std::size_t lane, Sample &values) const {
         for (std::size_t c = 0; c < 4; ++c) {
-            rgba[4 * pixel + c] = layers.picture[c][lane];
+            values[c] = layers.picture[c][lane];
+        }
+        std::size_t at = 4;
+        for (const PassImage &pass : passes) {
+            pass.kind->read(layers, lane, values.data() + at);
+            at += pass.kind->sums;
+        }
+    }
+    // `middle`: whether the values are those of a ray through the pixel's centre.
+    void set(std::size_t pixel, const Sample &values, bool middle) {
+        for (std::size_t c = 0; c < 4; ++c) {
+            rgba[4 * pixel + c] = values[c];
+        }
+        std::size_t at = 4;
+        for (PassImage &pass : passes) {
+            const std::size_t count = pass.kind->sums;
+            for (std::size_t c = 0; c < count && (middle || pass.kind->filtered); ++c) {
+                pass.values[count * pixel + c] = values[at + c];
+            }
+            at += count;
         }
     }
 };

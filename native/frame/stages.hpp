@@ -89,6 +89,10 @@ struct Tracer {
         const auto lanes = static_cast<std::size_t>(with.lanes);
         std::array<Packet, TILE> packets;
         std::array<Layers, TILE> layers;
+        std::vector<PassLayers> passes(wanted.passes() ? TILE : 0);
+        for (std::size_t p = 0; p < passes.size(); ++p) {
+            layers[p].passes = &passes[p];
+        }
         std::vector<ShadowSample> shadows(shadow_samples * TILE);
         for (std::size_t first = 0; first < count; first += lanes * TILE) {
             const std::size_t left = std::min(count - first, lanes * TILE), used = (left + lanes - 1) / lanes;

@@ -69,6 +69,7 @@ void smoke_transmittance(const FrameView &frame, const LightView &light, const v
 struct Reflected {
     Real shadowed[3], open[3];
     Real unshadowed; // without shadows of solids either, the mean of the colours; of shadows, the irradiance
+    Real lit[3];     // the same of each colour, without what glows
 };
 
 void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
@@ -160,7 +161,7 @@ Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, c
 
 Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
                     const Surface &surface) {
-    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F};
+    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}};
     const bool radiance = wanted.has(Layer::RADIANCE);
     if (radiance) {
         const Real emissions[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
@@ -211,6 +212,7 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
                 const Real gloss = (reflectances[c] * plain + edge * fresnel) * gains[c] * light.strength[c];
                 const Real sent = dull * visible + gloss * mirrored;
                 out.unshadowed = out.unshadowed + (dull + gloss) * (1.0F / 3.0F);
+                out.lit[c] = out.lit[c] + (dull + gloss);
                 out.open[c] = out.open[c] + sent;
                 out.shadowed[c] = out.shadowed[c] + sent * through[c];
                 continue;
@@ -230,6 +232,44 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
     return out;
 }
 
+// Of an artist's mist, with what is not a surface at its end.
+Real mist_at(const Mist &mist, const vec3 &point, Mask hit) {
+    const vec3 away = point - broadcast(mist.eye), axis = broadcast(mist.axis);
+    const bool parallel = mist.axis != glm::vec3(0.0F);
+    const Real distance = parallel ? dot(away, axis) : sqrt(dot(away, away));
+    const Real share = clamp((distance - mist.start) * (1.0F / mist.depth), 0.0F, 1.0F);
+    return pick(hit, xsimd::pow(share, Real(mist.power)), 1.0F);
+}
+
+// `shadowed` and `open` are those of the packet, the background's too.
+void store_passes(const FrameView &frame, LayerSet wanted, const Ray &ray, const Surface &surface,
+                  const Reflected &light, const Real (&open)[3], PassLayers &out) {
+    const vec3 point = ray.origin + ray.direction * surface.distance, nothing = broadcast(glm::vec3(0.0F));
+    if (wanted.has(Layer::POSITION)) {
+        store(pick(surface.hit, point, nothing), out.position);
+    }
+    if (wanted.has(Layer::NORMAL)) {
+        store(pick(surface.hit, surface.normal, nothing), out.normal);
+    }
+    if (wanted.has(Layer::MIST)) {
+        mist_at(frame.mist, point, surface.hit).store_aligned(out.mist);
+    }
+    if (wanted.has(Layer::OBJECT_INDEX)) {
+        pick(surface.hit, surface.object_index, 0.0F).store_aligned(out.object_index);
+    }
+    if (wanted.has(Layer::MATERIAL_INDEX)) {
+        const bool any = xsimd::any(surface.hit);
+        const Real index = any ? gather(frame.surfaces.properties + MATERIAL_FLOATS - 1, surface.material) : Real(0.0F);
+        pick(surface.hit, index, 0.0F).store_aligned(out.material_index);
+    }
+    const Real glow[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
+    for (int c = 0; c < 3; ++c) {
+        open[c].store_aligned(out.open[c]);
+        pick(surface.hit, light.shadowed[c] - glow[c], 0.0F).store_aligned(out.shadowed[c]);
+        pick(surface.hit, light.lit[c], 0.0F).store_aligned(out.unshadowed[c]);
+    }
+}
+
 } // namespace
 
 void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &out) {
@@ -244,8 +284,9 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
         shadowed[i] = open[i] = radiance ? frame.background[i] : 0.0F;
     }
     Real unshadowed = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
+    Reflected light{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}};
     if (xsimd::any(surface.hit)) {
-        const Reflected light = reflected(frame, wanted, packet, ray, surface);
+        light = reflected(frame, wanted, packet, ray, surface);
         for (int i = 0; i < 3; ++i) {
             shadowed[i] = pick(surface.hit, light.shadowed[i], shadowed[i]);
             open[i] = pick(surface.hit, light.open[i], open[i]);
@@ -257,6 +298,9 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
     unshadowed.store_aligned(out.unshadowed);
     for (int i = 0; i < 3; ++i) {
         shadowed[i].store_aligned(out.surface[i]);
+    }
+    if (out.passes != nullptr) {
+        store_passes(frame, wanted, ray, surface, light, open, *out.passes);
     }
 }
 

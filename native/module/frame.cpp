@@ -2,10 +2,16 @@
 // Frames: images, and what a GPU needs to make them.
 #include "frame/frame.hpp"
 
+#include "frame/passes.hpp"
 #include "module/arguments.hpp"
 #include "module/parts.hpp"
 #include "module/rays.hpp"
 #include "module/scene_parts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <tuple>
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -86,6 +92,54 @@ py::object render(const Frame &frame, const Camera &camera, int width, int heigh
     require_range(edge_samples, 1, 1024, "edge_samples");
     return image_of(width, height,
                     [&] { return frame.render(camera, width, height, edge_samples, reporting(progress)); });
+}
+
+// Mist by name as Frame.passes has it: (start, depth, power).
+Mist mist_of(const std::optional<std::array<float, 3>> &given, const Floats &eye, const Floats &axis) {
+    Mist mist{vector3(eye, "eye"), vector3(axis, "axis"), 0.0F, 1.0F, 1.0F};
+    if (given) {
+        std::tie(mist.start, mist.depth, mist.power) = std::tuple_cat(*given);
+        require_range(mist.start, 0.0F, 1e30F, "mist's start");
+        require_range(mist.depth, 1e-6F, 1e30F, "mist's depth");
+        require_range(mist.power, 0.01F, 100.0F, "mist's power");
+    }
+    return mist;
+}
+
+py::object passes(const Frame &frame, const Camera &camera, int width, int height,
+                  const std::vector<std::string> &names, int edge_samples, const PythonProgress &progress,
+                  const std::optional<std::array<float, 3>> &mist, const Floats &eye, const Floats &axis) {
+    require_size(width, height);
+    require_range(edge_samples, 1, 1024, "edge_samples");
+    LayerSet wanted = PICTURE;
+    for (const std::string &name : names) {
+        const auto kinds = pass_kinds();
+        const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const PassKind &k) { return k.name == name; });
+        if (kind == kinds.end()) {
+            std::string all;
+            for (const PassKind &known : kinds) {
+                all += (all.empty() ? "'" : ", '") + std::string(known.name) + "'";
+            }
+            throw py::value_error("names holds '" + name + "', but must be of " + all);
+        }
+        wanted = wanted.with(kind->layer);
+    }
+    const Mist fading = mist_of(mist, eye, axis);
+    std::optional<Image> image;
+    {
+        const py::gil_scoped_release unlocked;
+        image = frame.passes(camera, width, height, wanted, fading, edge_samples, reporting(progress));
+    }
+    if (!image) {
+        return py::none();
+    }
+    py::dict out;
+    out["picture"] = to_numpy(std::move(image->rgba), {height, width, 4});
+    for (PassImage &pass : image->passes) {
+        const auto channels = static_cast<py::ssize_t>(pass.kind->channels);
+        out[pass.kind->name] = to_numpy(std::move(pass.values), {height, width, channels});
+    }
+    return out;
 }
 
 Layer layer_of(const std::string &name, const std::string &others) {
@@ -241,6 +295,25 @@ share of the work that is done, by the thread that called; when it returns False
 (3, 4, 4)
 >>> frame.render(Camera(np.eye(4)), width=4, height=3, progress=lambda done: done < 0.25) is None
 True
+)")
+        .def("passes", &passes, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("names"),
+             py::arg("edge_samples") = 16, py::arg("progress") = py::none(), py::arg("mist") = py::none(),
+             py::arg("eye") = std::array<float, 3>{}, py::arg("axis") = std::array<float, 3>{},
+             R"(A dictionary of images (height, width, n) float32: "picture", which is what render() makes, and those of
+names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the world, and 1 where there
+is a surface, 0 where there is none; "object_index" and "material_index" (1) as add_instances has them, else 0. Filtered as
+the picture is: "normal" (3), in the world and towards the eye; "mist" (1); "smoke" (4), premultiplied: what the smoke
+before the surface sends, and how much it hides; "smoke_shadow" (3), the share of a surface's radiance that smoke leaves it;
+"shadow" (3), the share of the light that it reflects that smoke and solids leave it. Where there is no light shares are 1.
+
+mist: start and depth in metres and a power, of the way from `eye`, or of what is parallel along `axis` from there.
+
+>>> import numpy as np
+>>> images = Frame(Scene()).passes(Camera(np.eye(4)), 2, 1, ["mist", "smoke_shadow"])
+>>> {name: image.shape for name, image in images.items()}
+{'picture': (1, 2, 4), 'mist': (1, 2, 1), 'smoke_shadow': (1, 2, 3)}
+>>> images["mist"].tolist()
+[[[1.0], [1.0]]]
 )")
         .def("surfaces", &surfaces, py::arg("camera"), py::arg("width"), py::arg("height"),
              py::arg("output") = "radiance", py::arg("edge_samples") = 1, py::arg("progress") = py::none(),

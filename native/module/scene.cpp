@@ -43,9 +43,19 @@ std::vector<glm::mat4> places(const Doubles &to_world) {
     return out;
 }
 
+// Numbers for a compositor, one for each of `count`.
+std::vector<std::uint32_t> numbers(const std::optional<Doubles> &array, std::size_t count, const std::string &name) {
+    if (!array) {
+        return {};
+    }
+    require_shape(*array, {static_cast<py::ssize_t>(count)}, name);
+    return indices(*array, 1 << 24, name); // what a pixel in single precision can tell apart
+}
+
 void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &to_world, const Floats &albedo,
                    const std::optional<Floats> &gloss, const std::optional<Floats> &emission,
-                   const std::optional<Floats> &diffuse_roughness) {
+                   const std::optional<Floats> &diffuse_roughness, const std::optional<Doubles> &object_index,
+                   const std::optional<Doubles> &material_index) {
     Instances out;
     out.shape = mesh.shape;
     out.materials = checked_materials(albedo, gloss, emission, diffuse_roughness);
@@ -54,6 +64,8 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
                               text(mesh.materials) + " materials");
     }
     out.to_world = places(to_world);
+    out.index = numbers(object_index, out.to_world.size(), "object_index");
+    out.materials.index = numbers(material_index, out.materials.albedo.size(), "material_index");
     scene.meshes.push_back(std::move(out));
 }
 
@@ -250,9 +262,11 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
 )")
         .def("add_instances", &add_instances, py::arg("mesh"), py::arg("to_world"), py::arg("albedo"),
              py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse_roughness") = py::none(),
+             py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
 world. albedo (k, 3), gloss (k, 8 or 10), emission (k, 3) and diffuse_roughness (k,) are those of add_mesh, a row for each
-material that the mesh names. Raises ValueError as add_mesh does, and for too few rows.
+material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
+gives by these names. Raises ValueError as add_mesh does, and for too few rows.
 
 >>> import numpy as np
 >>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])

@@ -53,6 +53,26 @@ class Frame:
     @property
     def media(self) -> list[Any]:
         """A list of LitMedium, those that hold any smoke."""
+    def passes(
+        self,
+        camera: Camera,
+        width: int,
+        height: int,
+        names: List[str],
+        edge_samples: int = 16,
+        progress: Callable[[float], object] | None = None,
+        mist: List[float[3]] | None = None,
+        eye: ArrayLike = [0.0, 0.0, 0.0],
+        axis: ArrayLike = [0.0, 0.0, 0.0],
+    ) -> Any:
+        """A dictionary of images (height, width, n) float32: "picture", which is what render() makes, and those of
+        names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the world,
+        and 1 where there is a surface, 0 where there is none; "object_index" and "material_index" (1) as
+        add_instances has them, else 0. Filtered as the picture is: "normal" (3), in the world and towards the
+        eye; "mist" (1); "smoke" (4), premultiplied: what the smoke before the surface sends, and how much it
+        hides; "smoke_shadow" (3), the share of a surface's radiance that smoke leaves it; "shadow" (3), the share
+        of the light that it reflects that smoke and solids leave it. Where there is no light shares are 1.
+        """
     def render(
         self,
         camera: Camera,
@@ -264,11 +284,14 @@ class Scene:
         gloss: ArrayLike | None = None,
         emission: ArrayLike | None = None,
         diffuse_roughness: ArrayLike | None = None,
+        object_index: ArrayLike | None = None,
+        material_index: ArrayLike | None = None,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
         world. albedo (k, 3), gloss (k, 8 or 10), emission (k, 3) and diffuse_roughness (k,) are those of
-        add_mesh, a row for each material that the mesh names. Raises ValueError as add_mesh does, and for too few
-        rows.
+        add_mesh, a row for each material that the mesh names. object_index (n,), a number for each place, and
+        material_index (k,) are what Frame.passes gives by these names. Raises ValueError as add_mesh does, and
+        for too few rows.
         """
     def add_medium(
         self,

@@ -52,7 +52,8 @@ struct Materials {
     std::vector<glm::vec3> albedo;
     std::vector<float> diffuse_roughness; // Burley's (2012), one for each albedo; or none: Lambert's
     std::vector<Gloss> gloss;             // one for each albedo; or none
-    std::vector<glm::vec3> emission; // radiance on both sides, one for each albedo; or none. A POLYGON is its light
+    std::vector<glm::vec3> emission;  // radiance on both sides, one for each albedo; or none. A POLYGON is its light
+    std::vector<std::uint32_t> index; // an artist's number for a compositor, one for each albedo; or none: 0
 };
 
 // What stands alone in the world.
@@ -63,6 +64,7 @@ struct Instances {
     std::shared_ptr<const Shape> shape;
     Materials materials;
     std::vector<glm::mat4> to_world;
+    std::vector<std::uint32_t> index; // an artist's number, one for each place; or none: 0
 
     Instances() = default;
     Instances(Mesh mesh) // NOLINT(google-explicit-constructor): a mesh is an object in one place

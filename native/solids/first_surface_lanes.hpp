@@ -24,8 +24,10 @@ struct Surface {
     vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
     Real edge, alpha_x, alpha_y, apart, index;
     vec3 gain{1.0F, 1.0F, 1.0F}; // of the gloss, by what facets send to each other
-    vec3 emission;
+    vec3 emission{0.0F, 0.0F, 0.0F};
     Real diffuse_roughness;
+    Index material = 0; // where its row of properties begins
+    Real object_index = 0.0F;
 };
 
 inline Surface first_surface(const SurfaceView &view, const text::CameraText<Real, Isa>::Ray &ray, Mask active) {
@@ -60,7 +62,7 @@ inline Surface first_surface(const SurfaceView &view, const text::CameraText<Rea
     surface.distance = pick(surface.hit, Real::load_aligned(rays.ray.tfar), ray.reach);
 
     // The lanes' places have arrays of their own, so these are read lane by lane.
-    alignas(64) float normals[3][LANES], faces[3][LANES], tangents[3][LANES];
+    alignas(64) float normals[3][LANES], faces[3][LANES], tangents[3][LANES], objects[LANES];
     alignas(64) std::int32_t materials[LANES];
     for (int lane = 0; lane < LANES; ++lane) {
         const bool hit = hits[lane] != 0.0F;
@@ -74,6 +76,7 @@ inline Surface first_surface(const SurfaceView &view, const text::CameraText<Rea
             tangents[axis][lane] = corners.tangent[axis];
         }
         materials[lane] = MATERIAL_FLOATS * corners.material;
+        objects[lane] = hit ? view.places[place].object_index : 0.0F;
     }
     const auto loaded = [](const float(&v)[3][LANES]) {
         return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
@@ -87,6 +90,8 @@ inline Surface first_surface(const SurfaceView &view, const text::CameraText<Rea
     surface.normal = surface.normal * side;
     surface.geometric_normal = surface.geometric_normal * side;
     const Index material = Index::load_aligned(materials);
+    surface.material = material;
+    surface.object_index = Real::load_aligned(objects);
     const auto property = [&](int number) { return gather(view.properties + number, material); };
     surface.albedo = {property(0), property(1), property(2)};
     surface.reflectance = {property(3), property(4), property(5)};

@@ -81,6 +81,7 @@ void append_rows(const Materials &materials, Solids &solids, std::vector<float> 
         properties.insert(properties.end(), &curves.again.x, &curves.again.x + 3);
         properties.insert(properties.end(), curves.kept.begin(), curves.kept.end());
         properties.insert(properties.end(), curves.lost.begin(), curves.lost.end());
+        properties.push_back(i < materials.index.size() ? static_cast<float>(materials.index[i]) : 0.0F);
     }
 }
 
@@ -218,8 +219,9 @@ Surfaces::Surfaces(std::span<const Instances> meshes, Solids &solids) : places_(
         const auto first_material = static_cast<std::int32_t>(properties_.size() / MATERIAL_FLOATS);
         append_rows(mesh.materials, solids, properties_);
         tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
-        for (const glm::mat4 &to_world : mesh.to_world) {
-            views_.push_back(view_of(*mesh.shape, to_world, first_material));
+        for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
+            views_.push_back(view_of(*mesh.shape, mesh.to_world[i], first_material));
+            views_.back().object_index = i < mesh.index.size() ? static_cast<float>(mesh.index[i]) : 0.0F;
         }
     }
 }

@@ -46,10 +46,11 @@ class Case:
 
     def __init__(self, name: str, golden: Path, rectangle: tuple[slice, slice]) -> None:
         graph = bpy.context.evaluated_depsgraph_get()
-        camera = engine.camera_of(bpy.context.scene, graph)
+        camera = bpy.context.scene.camera.evaluated_get(graph)
+        projection = engine.projection_of(camera, camera.data.shift_x, bpy.context.scene.render, graph)
         self.name, self.golden, self.rectangle = name, golden.stem, rectangle
         self.scene = exported.export(graph, exported.Parts()).scene
-        self.camera = sfumato.Camera(camera)
+        self.camera = sfumato.Camera(projection @ np.array(camera.matrix_world.normalized().inverted()))
         self.picture = pixels(golden)
         self.converged = self.run(CONVERGED)[0]
 
