@@ -7,6 +7,8 @@
 namespace sfumato {
 namespace {
 
+constexpr float NOTHING = 1e-12F; // W/(m^2 sr)
+
 using Colours = float[3][MAX_LANES];
 
 void read_three(const Colours &from, std::size_t lane, float *values) {
@@ -47,10 +49,13 @@ constexpr std::array KINDS = {
                  read_three(layers.surface, lane, values);
                  read_three(layers.passes->open, lane, values + 3);
              }},
-    PassKind{"shadow", Layer::LEFT_BY_ALL, 3, 6, true,
+    // Of each sample, as Cycles 3.4 has it: 0 where there is no light.
+    PassKind{"shadow", Layer::LEFT_BY_ALL, 3, 3, true,
              [](const Layers &layers, std::size_t lane, float *values) {
-                 read_three(layers.passes->shadowed, lane, values);
-                 read_three(layers.passes->unshadowed, lane, values + 3);
+                 for (std::size_t c = 0; c < 3; ++c) {
+                     const float all = layers.passes->unshadowed[c][lane];
+                     values[c] = all > NOTHING ? std::clamp(layers.passes->shadowed[c][lane] / all, 0.0F, 1.0F) : 0.0F;
+                 }
              }},
 };
 
@@ -83,7 +88,7 @@ void PassImage::finish() {
     if (kind->sums == kind->channels) {
         return;
     }
-    constexpr float NOTHING = 1e-12F, LITTLE = 1e-4F; // radiance; the share of one colour
+    constexpr float LITTLE = 1e-4F; // of all colours
     std::size_t to = 0;
     for (std::size_t from = 0; from < values.size(); from += kind->sums) {
         const std::array<float, 3> left = {values[from], values[from + 1], values[from + 2]};

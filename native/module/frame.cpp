@@ -304,7 +304,8 @@ names. Of the first surface on each ray, through the middle of each pixel: "posi
 is a surface, 0 where there is none; "object_index" and "material_index" (1) as add_instances has them, else 0. Filtered as
 the picture is: "normal" (3), in the world and towards the eye; "mist" (1); "smoke" (4), premultiplied: what the smoke
 before the surface sends, and how much it hides; "smoke_shadow" (3), the share of a surface's radiance that smoke leaves it;
-"shadow" (3), the share of the light that it reflects that smoke and solids leave it. Where there is no light shares are 1.
+"shadow" (3), the share of the light that it reflects that smoke and solids leave it. Where there is no light, as where there is no surface, the first is 1, for a product,
+and the second 0, as in Cycles.
 
 mist: start and depth in metres and a power, of the way from `eye`, or of what is parallel along `axis` from there.
 

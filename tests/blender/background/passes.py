@@ -9,7 +9,6 @@ import bpy
 import harness
 import multilayer
 import numpy as np
-import pictures
 from numpy.typing import NDArray
 from sfumato import log  # type: ignore[attr-defined]
 
@@ -87,6 +86,86 @@ def test_mist_falls_off_as_in_cycles() -> None:
     for mist.falloff in ("QUADRATIC", "INVERSE_QUADRATIC"):
         off = channel(multilayer.render(SIZE), "Mist.Z") - channel(multilayer.render(SIZE, "CYCLES"), "Mist.Z")
         assert np.sqrt((off**2).mean()) < 0.01, mist.falloff
+
+
+def colours(found: multilayer.Channels, name: str) -> NDArray[np.float32]:
+    return np.stack([channel(found, f"{name}.{letter}") for letter in "RGB"], axis=-1)
+
+
+def rmse(values: NDArray[np.float32], wanted: NDArray[np.float32]) -> float:
+    return float(np.sqrt(((values - wanted) ** 2).mean()))
+
+
+def test_shadow_is_the_share_of_light_that_arrives() -> None:
+    """As in the Cycles that last had this pass, 3.4.1's; there, too, 0 where there is nothing to light."""
+    if bpy.app.version >= (4, 0, 0):
+        raise harness.Skip("this Cycles has no pass of shadows")
+    still_life()
+    bpy.context.scene.world = None
+    bpy.context.scene.view_layers[0].use_pass_shadow = True
+    ours, theirs = multilayer.render(SIZE), multilayer.render(SIZE, "CYCLES")
+    # The ball's terminator aside: there Cycles counts what of a lamp is below the horizon as missing, a closed form not.
+    flat = inside(channel(ours, "IndexOB.X")) & (channel(ours, "IndexOB.X") != 700.0)
+    error = rmse(colours(ours, "Shadow")[flat], colours(theirs, "Shadow")[flat])
+    assert colours(ours, "Shadow")[flat].min() < 0.01 < 0.99 < colours(ours, "Shadow")[flat].max()
+    assert error < 0.03, error
+
+
+def test_smoke_and_its_shadow_make_the_picture_of_one_without() -> None:
+    """Of another picture, too: of Cycles' without smoke, its own with smoke."""
+    smoke = harness.open_plume()
+    scene = bpy.context.scene
+    asked = scene.view_layers[0].sfumato
+    asked.smoke = asked.smoke_shadow = True
+    scene.sfumato.quality, scene.render.resolution_percentage = "FINAL", 100
+    whole = multilayer.render((96, 54))
+    smoke.hide_render = True
+    bare = multilayer.render((96, 54))
+    joined = colours(bare, "Combined") * colours(whole, "Smoke Shadow") * (1.0 - channel(whole, "Smoke.A")[..., None])
+    joined += colours(whole, "Smoke")
+    error = rmse(joined, colours(whole, "Combined")) / float(colours(whole, "Combined").mean())
+    assert error < 1e-3, error
+    assert colours(bare, "Smoke").max() == 0.0 == channel(bare, "Smoke.A").max()
+    assert colours(bare, "Smoke Shadow").min() == 1.0
+    assert channel(whole, "Smoke.A").max() > 0.5 and colours(whole, "Smoke Shadow").min() < 0.7
+
+
+def test_what_is_not_made_is_named_once() -> None:
+    scene = bpy.context.scene
+    layer = scene.view_layers[0]
+    layer.use_pass_uv = layer.use_pass_cryptomatte_object = layer.use_pass_z = True
+    layer.cycles.denoising_store_passes = True
+    layer.aovs.add().name = "Wetness"
+    multilayer.render((8, 8))
+    said = [line for line in log.notices() if "passes are not made" in line]
+    assert len(said) == 1, said
+    for name in ("UV", "Cryptomatte Object", "Denoising Passes", "'Wetness'", "'ViewLayer'"):
+        assert name in said[0], (name, said)
+    assert "Depth" not in said[0] and "Z," not in said[0]
+
+
+def test_a_file_from_the_command_line_holds_them() -> None:
+    """And says how it was made."""
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / "ask.py"
+        script.write_text(
+            "import sys; sys.path.insert(0, {!r})\n"
+            "import bpy, harness, multilayer\n"
+            "harness.enable() if harness.WHEEL else None\n"
+            "scene = bpy.context.scene\n"
+            "scene.view_layers[0].sfumato.smoke = scene.view_layers[0].use_pass_z = True\n"
+            "scene.render.engine, scene.render.resolution_percentage = 'SFUMATO', 10\n"
+            "scene.render.filepath = {!r}\n"
+            "multilayer.ask_for_layers(scene.render)\n"
+            "scene.frame_set(25)\n"
+            "bpy.ops.render.render(write_still=True)\n".format(str(Path(__file__).parents[1]), f"{folder}/one.exr"),
+            encoding="utf-8",
+        )
+        subprocess.run(harness.command(script, harness.plume_file()), check=True, timeout=120)
+        found = multilayer.read(Path(folder) / "one.exr")
+        assert channel(found, "Smoke.A").max() > 0.5 and channel(found, "Depth.Z").min() < 100.0
+        texts = multilayer.metadata(Path(folder) / "one.exr")
+        assert texts["Sfumato quality"] == "Preview" and "march" in texts["Sfumato stages"], texts
 
 
 harness.main()
