@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from . import compositor
+from . import compositor, props
 from .export import smoke
 
 THINNEST = 0.001  # the smallest thickness that a domain can have in the viewport
@@ -49,7 +49,7 @@ class SfumatoAddSmoke(bpy.types.Operator):
         if scene.render.engine == "SFUMATO":
             self.report({"WARNING"}, "This scene is rendered by Sfumato, smoke and all: choose EEVEE or Cycles first")
             return {"CANCELLED"}
-        if not compositor.smoke_objects(scene) and compositor.props.of(scene).smoke_scene is None:
+        if not compositor.smoke_objects(scene) and props.of(scene).smoke_scene is None:
             self.report({"WARNING"}, "The scene has no smoke: no gas domain and no Volume object")
             return {"CANCELLED"}
         other = compositor.add_smoke(scene, context.view_layer)

@@ -86,7 +86,9 @@ def notices(view_layer: Any) -> list[str]:
     missing = unknown(view_layer)
     if not missing:
         return []
-    return [f"View layer '{view_layer.name}': these passes are not made, and stay out of the file: {', '.join(missing)}"]
+    return [
+        f"View layer '{view_layer.name}': these passes are not made, and stay out of the file: {', '.join(missing)}"
+    ]
 
 
 def register_passes(engine: Any, scene: Any, view_layer: Any) -> None:

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <string>
-#include <tuple>
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -95,10 +94,11 @@ py::object render(const Frame &frame, const Camera &camera, int width, int heigh
 }
 
 // Mist by name as Frame.passes has it: (start, depth, power).
-Mist mist_of(const std::optional<std::array<float, 3>> &given, const Floats &eye, const Floats &axis) {
+Mist mist_of(const std::optional<Floats> &given, const Floats &eye, const Floats &axis) {
     Mist mist{vector3(eye, "eye"), vector3(axis, "axis"), 0.0F, 1.0F, 1.0F};
     if (given) {
-        std::tie(mist.start, mist.depth, mist.power) = std::tuple_cat(*given);
+        const glm::vec3 values = vector3(*given, "mist");
+        mist.start = values.x, mist.depth = values.y, mist.power = values.z;
         require_range(mist.start, 0.0F, 1e30F, "mist's start");
         require_range(mist.depth, 1e-6F, 1e30F, "mist's depth");
         require_range(mist.power, 0.01F, 100.0F, "mist's power");
@@ -108,7 +108,7 @@ Mist mist_of(const std::optional<std::array<float, 3>> &given, const Floats &eye
 
 py::object passes(const Frame &frame, const Camera &camera, int width, int height,
                   const std::vector<std::string> &names, int edge_samples, const PythonProgress &progress,
-                  const std::optional<std::array<float, 3>> &mist, const Floats &eye, const Floats &axis) {
+                  const std::optional<Floats> &mist, const Floats &eye, const Floats &axis) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
     LayerSet wanted = PICTURE;

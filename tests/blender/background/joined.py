@@ -26,7 +26,12 @@ def textured_plume() -> bpy.types.Object:
         nodes = checks.node_tree.nodes
         texture = nodes.new("ShaderNodeTexChecker")
         texture.inputs["Scale"].default_value = 7.0
-        texture.inputs["Color1"].default_value, texture.inputs["Color2"].default_value = (0.9, 0.3, 0.1, 1), (0.1, 0.2, 0.4, 1)
+        texture.inputs["Color1"].default_value, texture.inputs["Color2"].default_value = (0.9, 0.3, 0.1, 1), (
+            0.1,
+            0.2,
+            0.4,
+            1,
+        )
         checks.node_tree.links.new(texture.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
         nodes["Principled BSDF"].inputs["Roughness"].default_value = 1.0
         thing.data.materials.clear()
@@ -46,10 +51,10 @@ def blocks(picture: NDArray[np.float32]) -> NDArray[np.float64]:
 
 def in_cycles() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Blocks of the mean of two renders, and the squares of their noise."""
-    first, second = [], []
-    for renders, bpy.context.scene.cycles.seed in ((first, 1), (second, 2)):
+    renders = []
+    for bpy.context.scene.cycles.seed in (1, 2):
         renders.append(blocks(pictures.render(SIZE, "CYCLES")))
-    return (first[0] + second[0]) / 2.0, (first[0] - second[0]) ** 2 / 4.0
+    return (renders[0] + renders[1]) / 2.0, (renders[0] - renders[1]) ** 2 / 4.0
 
 
 def tree_of(scene: bpy.types.Scene) -> bpy.types.NodeTree:
@@ -63,7 +68,12 @@ def state() -> list[str]:
     links = [f"{link.from_node.name} {link.from_socket.name} {link.to_node.name} {link.to_socket.identifier}"
              for link in tree_of(scene).links]  # fmt: skip
     homes = [f"{thing.name} {[home.name for home in thing.users_collection]}" for thing in bpy.data.objects]
-    return sorted(nodes) + sorted(links) + sorted(homes) + [f"{each.name} {each.render.engine}" for each in bpy.data.scenes]
+    return (
+        sorted(nodes)
+        + sorted(links)
+        + sorted(homes)
+        + [f"{each.name} {each.render.engine}" for each in bpy.data.scenes]
+    )
 
 
 def test_cycles_with_our_smoke_is_cycles() -> None:
