@@ -76,6 +76,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
             progress=self.go_on,
             mist=passes.mist_of(settings.world),
             **passes.eye_of(camera, view),
+            **filter_of(settings),
         )
         if images is None:
             return None
@@ -110,6 +111,14 @@ def image_size(render: Any) -> tuple[int, int]:
     """Pixels of the whole picture."""
     width, height = (side * render.resolution_percentage // 100 for side in (render.resolution_x, render.resolution_y))
     return max(1, width), max(1, height)
+
+
+def filter_of(scene: Any) -> dict[str, Any]:
+    """Cycles' pixel filter; where there is no Cycles, its default shape and the width of Blender's own setting."""
+    cycles = getattr(scene, "cycles", None)
+    if cycles is None:
+        return {"filter_width": min(max(scene.render.filter_size, 0.01), 10.0)}
+    return {"filter": cycles.pixel_filter_type.lower(), "filter_width": cycles.filter_width}
 
 
 def projection_of(camera: Any, shift_x: float, render: Any, depsgraph: Any) -> NDArray[np.float64]:

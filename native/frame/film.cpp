@@ -11,13 +11,17 @@
 namespace sfumato {
 namespace {
 
-constexpr double DIAMETER = 3.0;
 constexpr double TURN = 2.0 * std::numbers::pi;
 
-// The integral of the window from its left end, normalised to one.
-double cumulative_weight(double x) {
+// The integral of a filter from its left end, normalised to one, up to a share t of its diameter.
+double cumulative_weight(Filter::Shape shape, double t) {
+    if (shape == Filter::Shape::BOX) {
+        return t;
+    }
+    if (shape == Filter::Shape::GAUSSIAN) { // Cycles cuts it at six standard deviations
+        return 0.5 + 0.5 * std::erf(6.0 * std::numbers::sqrt2 * (t - 0.5));
+    }
     constexpr double A0 = 0.35875, A1 = 0.48829, A2 = 0.14128, A3 = 0.01168;
-    const double t = x / DIAMETER + 0.5;
     return t - (A1 * std::sin(TURN * t) - A2 / 2.0 * std::sin(2.0 * TURN * t) + A3 / 3.0 * std::sin(3.0 * TURN * t)) /
                    (TURN * A0);
 }
@@ -45,11 +49,12 @@ std::vector<int> ranks(int count, const Key &key) {
 
 } // namespace
 
-float blackman_harris_quantile(float u) {
-    double low = -0.5 * DIAMETER, high = 0.5 * DIAMETER;
+float filter_quantile(const Filter &filter, float u) {
+    const double diameter = filter.diameter();
+    double low = -0.5 * diameter, high = 0.5 * diameter;
     for (int halving = 0; halving < 40; ++halving) {
         const double middle = 0.5 * (low + high);
-        (cumulative_weight(middle) < static_cast<double>(u) ? low : high) = middle;
+        (cumulative_weight(filter.shape, middle / diameter + 0.5) < static_cast<double>(u) ? low : high) = middle;
     }
     return static_cast<float>(0.5 * (low + high));
 }
@@ -63,7 +68,7 @@ FilmSample first_look(int x, int y) {
     return {0.0F, 0.0F, middle(cell % 4), middle(cell / 4)};
 }
 
-std::vector<FilmSample> film_samples(int count, int turn) {
+std::vector<FilmSample> film_samples(int count, int turn, const Filter &filter) {
     std::vector<FilmSample> samples(static_cast<std::size_t>(count));
     const double golden = (std::sqrt(5.0) - 1.0) / 2.0;
     // Hammersley's points, scrambled from pixel to pixel, for the pixel; a lattice of the golden ratio for the lights,
@@ -77,8 +82,8 @@ std::vector<FilmSample> film_samples(int count, int turn) {
     const auto middle = [count](int share) { return (share + 0.5) / count; };
     for (int i = 0; i < count; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        samples[at] = {blackman_harris_quantile(static_cast<float>(middle(i))),
-                       blackman_harris_quantile(static_cast<float>(middle(rows[at]))),
+        samples[at] = {filter_quantile(filter, static_cast<float>(middle(i))),
+                       filter_quantile(filter, static_cast<float>(middle(rows[at]))),
                        static_cast<float>(middle(walk[at])),
                        static_cast<float>(middle(lattice[static_cast<std::size_t>(walk[at])]))};
     }

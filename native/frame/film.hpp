@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 namespace sfumato {
@@ -12,8 +13,25 @@ struct FilmSample {
     float light_u, light_v; // in [0, 1]^2, uniform: where on every light
 };
 
+// What a pixel takes from around its middle, as Cycles' filters have it.
+struct Filter {
+    enum class Shape : std::uint8_t { BLACKMAN_HARRIS, GAUSSIAN, BOX };
+    Shape shape = Shape::BLACKMAN_HARRIS;
+    float width = 1.5F; // in pixels, as Cycles counts it: two make Blackman and Harris's diameter, three Gauss's
+
+    [[nodiscard]] double diameter() const {
+        return shape == Shape::BOX ? 1.0 : static_cast<double>(width) * (shape == Shape::GAUSSIAN ? 3.0 : 2.0);
+    }
+};
+
+// How often the pixels are sampled in which surfaces or their shadows change, and where.
+struct Film {
+    int edge_samples = 16;
+    Filter filter;
+};
+
 // `count` well spread samples, for a pixel whose neighbours in a 4 x 4 tile take the other values of `turn`.
-std::vector<FilmSample> film_samples(int count, int turn);
+std::vector<FilmSample> film_samples(int count, int turn, const Filter &filter = {});
 
 constexpr int FILM_TURNS = 16;
 
@@ -21,8 +39,7 @@ constexpr int FILM_TURNS = 16;
 // itself as a disagreement of neighbours. Repeats every 4 x 4 pixels.
 FilmSample first_look(int x, int y);
 
-// Blackman and Harris, over a diameter of 3 pixels: Cycles' default filter, "width 1.5".
-// Returns the position whose share of the filter's weight is u.
-float blackman_harris_quantile(float u);
+// The position whose share of the filter's weight is u.
+float filter_quantile(const Filter &filter, float u);
 
 } // namespace sfumato

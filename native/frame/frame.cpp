@@ -46,7 +46,7 @@ std::optional<Image> Frame::image(const Camera &camera, int width, int height, L
     const MediaViews media = views_of(content_.media, step_length_);
     const FrameView seen = view(camera, media.views);
     const Tracer tracer{*instruction_set_, seen, wanted, *clock_};
-    return prepared_->arena.execute([&] { return traced(tracer, width, height, edge_samples, progress); });
+    return prepared_->arena.execute([&] { return traced(tracer, width, height, {edge_samples, {}}, progress); });
 }
 
 std::optional<std::vector<float>> Frame::render(const Camera &camera, int width, int height, int edge_samples,
@@ -56,13 +56,13 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
 }
 
 std::optional<Image> Frame::passes(const Camera &camera, int width, int height, LayerSet wanted, const Mist &mist,
-                                   int edge_samples, const Progress &progress) const {
+                                   const Film &film, const Progress &progress) const {
     const MediaViews media = views_of(content_.media, step_length_);
     FrameView seen = view(camera, media.views);
     seen.mist = mist;
     const Tracer tracer{*instruction_set_, seen, wanted, *clock_};
     std::optional<Image> picture =
-        prepared_->arena.execute([&] { return traced(tracer, width, height, edge_samples, progress); });
+        prepared_->arena.execute([&] { return traced(tracer, width, height, film, progress); });
     if (picture) {
         for (PassImage &pass : picture->passes) {
             pass.finish();

@@ -33,7 +33,7 @@ public:
 
     // The same, and the passes that are asked for beside the PICTURE.
     [[nodiscard]] std::optional<Image> passes(const Camera &camera, int width, int height, LayerSet wanted,
-                                              const Mist &mist, int edge_samples, const Progress &progress) const;
+                                              const Mist &mist, const Film &film, const Progress &progress) const;
 
     // What a GPU needs of the surfaces: RGB, and the distance to the first surface through the pixel's centre. RGB is
     // one layer of theirs, sampled and filtered as a picture is.

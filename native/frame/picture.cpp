@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame/picture.hpp"
 
-#include "frame/film.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -175,12 +173,37 @@ bool in_chunks(const Image &image, double done, double share, const Progress &pr
     return true;
 }
 
-// Samples the pixels in which surfaces or their shadows change `edge_samples` times. False if progress said stop.
-bool refine(const Tracer &tracer, int edge_samples, const Progress &progress, Image &image) {
+// A filter that is wider than 1.5 pixels to a side brings what changes to pixels further away.
+int further(const Filter &filter) {
+    return std::max(static_cast<int>(std::ceil(filter.diameter() / 2.0 - 0.5)) - 1, 0);
+}
+
+// Of each pixel the most unsure of those that are up to `reach` pixels away.
+void spread_unsure(const Image &image, int reach, std::vector<Unsure> &unsure) {
+    const auto along = [&](int count, int others, auto at) {
+        oneapi::tbb::parallel_for(0, others, [&](int other) {
+            std::vector<Unsure> line(static_cast<std::size_t>(count));
+            for (int i = 0; i < count; ++i) {
+                for (int j = std::max(i - reach, 0); j <= std::min(i + reach, count - 1); ++j) {
+                    line[static_cast<std::size_t>(i)] =
+                        std::max(line[static_cast<std::size_t>(i)], unsure[at(j, other)]);
+                }
+            }
+            for (int i = 0; i < count; ++i) {
+                unsure[at(i, other)] = line[static_cast<std::size_t>(i)];
+            }
+        });
+    };
+    along(image.width, image.height, [&image](int x, int y) { return image.at(x, y); });
+    along(image.height, image.width, [&image](int y, int x) { return image.at(x, y); });
+}
+
+// Samples the pixels in which surfaces or their shadows change. False if progress said stop.
+bool refine(const Tracer &tracer, const Film &film, const Progress &progress, Image &image) {
     Patterns patterns;
     patterns.reserve(FILM_TURNS);
     for (int turn = 0; turn < FILM_TURNS; ++turn) {
-        patterns.push_back(film_samples(edge_samples, turn));
+        patterns.push_back(film_samples(film.edge_samples, turn, film.filter));
     }
     // Which pixels are edges is settled before any of them changes.
     std::vector<Unsure> unsure(image.distance.size());
@@ -189,6 +212,9 @@ bool refine(const Tracer &tracer, int edge_samples, const Progress &progress, Im
             unsure[image.at(x, y)] = unsure_of(image, x, y);
         }
     });
+    if (const int reach = further(film.filter); reach > 0) {
+        spread_unsure(image, reach, unsure);
+    }
     // A pixel and its eight neighbours may all miss a thin shadow or a corner of a light; their neighbours' do not.
     const auto beside_shadow = [&](int x, int y) {
         for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.height - 1); ++j) {
@@ -216,11 +242,11 @@ bool refine(const Tracer &tracer, int edge_samples, const Progress &progress, Im
 
 } // namespace
 
-std::optional<Image> traced(const Tracer &tracer, int width, int height, int edge_samples, const Progress &progress) {
+std::optional<Image> traced(const Tracer &tracer, int width, int height, const Film &film, const Progress &progress) {
     Image image(tracer.wanted, width, height);
-    const bool closer = edge_samples > 1;
+    const bool closer = film.edge_samples > 1;
     if (!in_chunks(image, 0.0, closer ? 0.5 : 1.0, progress, [&](int y) { trace_row(tracer, closer, image, y); }) ||
-        (closer && !refine(tracer, edge_samples, progress, image))) {
+        (closer && !refine(tracer, film, progress, image))) {
         return std::nullopt;
     }
     return image;

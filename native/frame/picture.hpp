@@ -3,6 +3,7 @@
 // enough.
 #pragma once
 
+#include "frame/film.hpp"
 #include "frame/passes.hpp"
 #include "frame/stages.hpp"
 
@@ -70,8 +71,8 @@ struct Image {
     }
 };
 
-// Pixels in which surfaces or their shadows change are sampled `edge_samples` times, the others once. Nothing if
-// progress said stop.
-std::optional<Image> traced(const Tracer &tracer, int width, int height, int edge_samples, const Progress &progress);
+// Pixels in which surfaces or their shadows change are sampled as the film has it, the others once. Nothing if progress
+// said stop.
+std::optional<Image> traced(const Tracer &tracer, int width, int height, const Film &film, const Progress &progress);
 
 } // namespace sfumato

@@ -108,9 +108,13 @@ Mist mist_of(const std::optional<Floats> &given, const Floats &eye, const Floats
 
 py::object passes(const Frame &frame, const Camera &camera, int width, int height,
                   const std::vector<std::string> &names, int edge_samples, const PythonProgress &progress,
-                  const std::optional<Floats> &mist, const Floats &eye, const Floats &axis) {
+                  const std::optional<Floats> &mist, const Floats &eye, const Floats &axis, const std::string &filter,
+                  float filter_width) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
+    require_range(filter_width, 0.01F, 10.0F, "filter_width");
+    const auto shape = one_of<3>(filter, {"blackman_harris", "gaussian", "box"}, "filter");
+    const Film film{edge_samples, {static_cast<Filter::Shape>(shape), filter_width}};
     LayerSet wanted = PICTURE;
     for (const std::string &name : names) {
         const auto kinds = pass_kinds();
@@ -128,7 +132,7 @@ py::object passes(const Frame &frame, const Camera &camera, int width, int heigh
     std::optional<Image> image;
     {
         const py::gil_scoped_release unlocked;
-        image = frame.passes(camera, width, height, wanted, fading, edge_samples, reporting(progress));
+        image = frame.passes(camera, width, height, wanted, fading, film, reporting(progress));
     }
     if (!image) {
         return py::none();
@@ -299,6 +303,7 @@ True
         .def("passes", &passes, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("names"),
              py::arg("edge_samples") = 16, py::arg("progress") = py::none(), py::arg("mist") = py::none(),
              py::arg("eye") = std::array<float, 3>{}, py::arg("axis") = std::array<float, 3>{},
+             py::arg("filter") = "blackman_harris", py::arg("filter_width") = Filter{}.width,
              R"(A dictionary of images (height, width, n) float32: "picture", which is what render() makes, and those of
 names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the world, and 1 where there
 is a surface, 0 where there is none; "object_index" and "material_index" (1) as add_instances has them, else 0. Filtered as
@@ -308,6 +313,7 @@ before the surface sends, and how much it hides; "smoke_shadow" (3), the share o
 and the second 0, as in Cycles.
 
 mist: start and depth in metres and a power, of the way from `eye`, or of what is parallel along `axis` from there.
+filter, "blackman_harris", "gaussian" or "box", and filter_width in pixels are Cycles'; a box has 1.
 
 >>> import numpy as np
 >>> images = Frame(Scene()).passes(Camera(np.eye(4)), 2, 1, ["mist", "smoke_shadow"])

@@ -58,12 +58,14 @@ class Frame:
         camera: Camera,
         width: int,
         height: int,
-        names: List[str],
+        names: Sequence[str],
         edge_samples: int = 16,
         progress: Callable[[float], object] | None = None,
-        mist: List[float[3]] | None = None,
+        mist: ArrayLike | None = None,
         eye: ArrayLike = [0.0, 0.0, 0.0],
         axis: ArrayLike = [0.0, 0.0, 0.0],
+        filter: str = "blackman_harris",
+        filter_width: float = 1.5,
     ) -> Any:
         """A dictionary of images (height, width, n) float32: "picture", which is what render() makes, and those of
         names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the world,
@@ -71,7 +73,8 @@ class Frame:
         add_instances has them, else 0. Filtered as the picture is: "normal" (3), in the world and towards the
         eye; "mist" (1); "smoke" (4), premultiplied: what the smoke before the surface sends, and how much it
         hides; "smoke_shadow" (3), the share of a surface's radiance that smoke leaves it; "shadow" (3), the share
-        of the light that it reflects that smoke and solids leave it. Where there is no light shares are 1.
+        of the light that it reflects that smoke and solids leave it. Where there is no light, as where there is
+        no surface, the first is 1, for a product, and the second 0, as in Cycles.
         """
     def render(
         self,

@@ -39,6 +39,8 @@ def python_type(text: str, argument: bool) -> str:
         return "ArrayLike" if argument else f"NDArray[{array[1]}]"
     if re.fullmatch(r"List\[int\[\d+\]\]", text):
         return "Sequence[int]"
+    if text == "List[str]":
+        return "Sequence[str]"
     if text == "object":
         return "ArrayLike" if argument else "Any"
     return {"list": "list[Any]", "tuple": "tuple[Any, ...]"}.get(text, text)

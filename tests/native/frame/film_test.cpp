@@ -31,26 +31,38 @@ double moment(int power, double end) {
 
 const double variance = moment(2, 1.5) / moment(0, 1.5);
 
-TEST(BlackmanHarrisQuantile, IsTheInverseOfTheWindowsIntegral) {
+TEST(FilterQuantile, IsTheInverseOfTheWindowsIntegral) {
     for (int i = 1; i < 100; ++i) {
         const float u = float(i) / 100.0F;
-        const auto x = double{blackman_harris_quantile(u)};
+        const auto x = double{filter_quantile({}, u)};
         EXPECT_NEAR(moment(0, x) / moment(0, 1.5), u, 1e-5) << u;
     }
 }
 
-TEST(BlackmanHarrisQuantile, IsSymmetricAndRises) {
-    EXPECT_NEAR(blackman_harris_quantile(0.5F), 0.0F, 1e-6);
-    EXPECT_NEAR(blackman_harris_quantile(0.0F), -1.5F, 1e-2);
+TEST(FilterQuantile, IsSymmetricAndRises) {
+    EXPECT_NEAR(filter_quantile({}, 0.5F), 0.0F, 1e-6);
+    EXPECT_NEAR(filter_quantile({}, 0.0F), -1.5F, 1e-2);
     float last = -1.6F;
     for (int i = 0; i <= 128; ++i) {
-        const float u = float(i) / 128.0F, x = blackman_harris_quantile(u);
+        const float u = float(i) / 128.0F, x = filter_quantile({}, u);
         EXPECT_GT(x, last);
         EXPECT_LE(std::abs(x), 1.5F);
         if (i > 0 && i < 128) {
-            EXPECT_NEAR(x, -blackman_harris_quantile(1.0F - u), 1e-5) << u;
+            EXPECT_NEAR(x, -filter_quantile({}, 1.0F - u), 1e-5) << u;
         }
         last = x;
+    }
+}
+
+TEST(FilterQuantile, HasCyclesShapesAndWidths) {
+    const Filter box{Filter::Shape::BOX, 1.5F}, wide{Filter::Shape::BLACKMAN_HARRIS, 3.0F};
+    const Filter gauss{Filter::Shape::GAUSSIAN, 1.5F}; // exp(-2 (6 x / 4.5)^2): a standard deviation of 3 / 8
+    for (int i = 1; i < 32; ++i) {
+        const float u = float(i) / 32.0F;
+        EXPECT_NEAR(filter_quantile(box, u), u - 0.5F, 1e-6);
+        EXPECT_NEAR(filter_quantile(wide, u), 2.0F * filter_quantile({}, u), 1e-6);
+        const double x = double{filter_quantile(gauss, u)};
+        EXPECT_NEAR(0.5 * std::erfc(-x / (0.375 * std::numbers::sqrt2)), double{u}, 1e-6);
     }
 }
 
