@@ -32,7 +32,7 @@ def look(middle: tuple[float, float, float], across: float) -> None:
         view.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
     view.render.resolution_percentage = 100
     cycles = view.cycles
-    cycles.samples, cycles.seed, cycles.max_bounces, cycles.volume_bounces, cycles.volume_step_rate = 256, 1, 0, 0, 0.3
+    cycles.samples, cycles.seed, cycles.max_bounces, cycles.volume_bounces, cycles.volume_step_rate = 64, 1, 0, 0, 0.5
     cycles.use_adaptive_sampling = cycles.use_denoising = False
 
 
