@@ -67,10 +67,34 @@ def draw_smoke(shaders: Shaders, target: Target, smoke: Smoke, surfaces: Any, co
         shaders.draw_screen(shader)
 
 
-def composite(shaders: Shaders, picture: Any, blend: str, gain: float, least_alpha: float) -> None:
-    """Draw a texture of the target's size over what the bound target holds."""
+@contextlib.contextmanager
+def _limited_to(window: tuple[int, int, int, int] | None) -> Iterator[None]:
+    """Draw into a window of the target alone. What covers the screen covers just that then, and reads the picture at the
+    same pixels; Blender 3.4 has no scissors."""
+    import gpu
+
+    if window is None:
+        yield
+        return
+    before = gpu.state.viewport_get()
+    gpu.state.viewport_set(*window)
+    try:
+        yield
+    finally:
+        gpu.state.viewport_set(*before)
+
+
+def composite(
+    shaders: Shaders,
+    picture: Any,
+    blend: str,
+    gain: float,
+    least_alpha: float,
+    window: tuple[int, int, int, int] | None = None,
+) -> None:
+    """Draw a texture of the target's size over what the bound target holds, or over a window of it."""
     shader = shaders.get("composite", composite_shader)
-    with _blended(blend):
+    with _blended(blend), _limited_to(window):
         shader.bind()
         shader.uniform_sampler("picture", picture)
         shader.uniform_float("gain", gain)

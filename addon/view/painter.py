@@ -128,9 +128,12 @@ class Painter:
         transmittance = target.textures[1] if look.overlay else None
         return Picture(frame, look, refined is not None, target.textures[0], transmittance, target.buffer)
 
-    def composite(self, picture: Any, blend: str, gain: float, least_alpha: float) -> None:
-        """Draw a texture of the target's size over what the bound target holds."""
-        passes.composite(self._shaders, picture, blend, gain, least_alpha)
+    def composite(
+        self, picture: Any, blend: str, gain: float, least_alpha: float, window: tuple[int, int, int, int] | None = None
+    ) -> None:
+        """Draw a texture of the target's size over what the bound target holds, or over a window of it: left, bottom,
+        width, height in pixels."""
+        passes.composite(self._shaders, picture, blend, gain, least_alpha, window)
 
     def dim_background(self, picture: Picture, gain: float, background: tuple[float, float, float]) -> None:
         """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""

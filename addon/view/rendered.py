@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 import bpy
+import numpy as np
 
 from .. import log, props
 from . import refinement
@@ -41,4 +42,31 @@ def draw_rendered(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, fr
     transparent = depsgraph.scene_eval.render.film_transparent
     # An opaque picture needs nothing of what was there.
     blend, least_alpha = ("ALPHA_PREMULT", 0.0) if transparent else ("NONE", 1.0)
-    painter().composite(picture.radiance, blend, 1.0, least_alpha)
+    painter().composite(picture.radiance, blend, 1.0, least_alpha, render_region(context))
+
+
+def render_region(context: bpy.types.Context) -> tuple[int, int, int, int] | None:
+    """The pixels of the view to which its render region limits it: left, bottom, width, height; None without one. Seen
+    through the camera it is the scene's, in the camera's frame, else the view's own."""
+    space, render = context.space_data, context.scene.render
+    width, height = context.region.width, context.region.height
+    if context.region_data.view_perspective != "CAMERA":
+        if not space.use_render_border:
+            return None
+        low, high = np.zeros(2), np.array((width, height), dtype=np.float64)
+        border, names = space, ("render_border_min_", "render_border_max_")
+    else:
+        camera = space.camera if space.use_local_camera else context.scene.camera
+        if not render.use_border or camera is None:
+            return None
+        frame = np.ones((4, 4))
+        frame[:, :3] = camera.data.view_frame(scene=context.scene)
+        matrix = np.array(context.region_data.perspective_matrix) @ np.array(camera.matrix_world.normalized())
+        seen = frame @ matrix.T
+        corners = (seen[:, :2] / seen[:, 3:] * 0.5 + 0.5) * (width, height)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        border, names = render, ("border_min_", "border_max_")
+    first, last = (low + (high - low) * [getattr(border, name + axis) for axis in "xy"] for name in names)
+    left, bottom = (max(int(round(value)), 0) for value in first)
+    right, top = (min(int(round(value)), most) for value, most in zip(last, (width, height)))
+    return left, bottom, max(right - left, 0), max(top - bottom, 0)

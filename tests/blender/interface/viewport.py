@@ -99,6 +99,48 @@ def test_overlay_darkens_the_shadow_and_leaves_no_trace() -> Iterator[float | No
     assert not log.notices(), log.notices()
 
 
+def test_rendered_view_keeps_to_its_region() -> Iterator[float | None]:
+    """That of the view; seen through the camera, the scene's, in the camera's frame."""
+    space, _smoke = plume("RENDERED")
+    render = bpy.context.scene.render
+    render.engine = "SFUMATO"
+    with screen.watched() as seen:
+        for view in ("CAMERA", "PERSP"):
+            space.region_3d.view_perspective = view
+            render.use_border = space.use_render_border = False
+            yield from screen.drawn(seen)
+            whole = seen[-1][0]
+            # Of the other kind of view, a region that must not count here.
+            for owner, name, edges in ((render, "border", (0.25, 0.75)), (space, "render_border", (0.4, 0.6))):
+                for axis in "xy":
+                    setattr(owner, f"{name}_min_{axis}", edges[0])
+                    setattr(owner, f"{name}_max_{axis}", edges[1])
+            render.use_border = space.use_render_border = True
+            yield from screen.drawn(seen)
+            part = seen[-1][0]
+            ours = np.any(np.abs(part - part[0, 0]) > 1e-3, axis=-1)  # Blender leaves the rest in one colour
+            assert np.abs(part - whole)[ours].max() < 1e-3
+            columns = np.nonzero(ours.any(axis=0))[0]
+            height, width = ours.shape
+            if view == "PERSP":
+                low, high = 0.4, 0.6
+            else:
+                half = 0.25 * camera_frame(width, height)[0] / width
+                low, high = 0.5 - half, 0.5 + half
+            print(f"  {view}: columns {columns.min() / width:.3f} to {columns.max() / width:.3f}")
+            assert abs(columns.min() / width - low) < 0.01 and abs(columns.max() / width - high) < 0.01, (low, high)
+    render.use_border = space.use_render_border = False
+
+
+def camera_frame(width: int, height: int) -> tuple[float, float]:
+    """The size in pixels at which the camera's frame is seen."""
+    scene_camera = bpy.context.scene.camera
+    corners = np.array([(*corner, 1.0) for corner in scene_camera.data.view_frame(scene=bpy.context.scene)])
+    seen = corners @ np.array(scene_camera.matrix_world).T @ screen.view_matrix().T
+    places = seen[:, :2] / seen[:, 3:] * 0.5
+    return tuple(np.ptp(places, axis=0) * (width, height))
+
+
 def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes() -> Iterator[float | None]:
     space, _smoke = plume("SOLID")
     view = space.region_3d
