@@ -15,7 +15,7 @@ packages=(
     blender xvfb xauth libgl1-mesa-dri libegl1
     g++ cmake ninja-build pybind11-dev python3-dev
     libglm-dev libxsimd-dev libxxhash-dev libtbb-dev libembree-dev
-    zlib1g-dev liblz4-dev libopenvdb-dev libblosc-dev libboost-dev
+    zlib1g-dev liblz4-dev libopenimageio-dev libopenvdb-dev libblosc-dev libboost-dev
     libgtest-dev python3-pytest python3-numpy python3-cattr python3-requests
 )
 

@@ -35,6 +35,7 @@ PYBIND11_MODULE(sfumato, m) {
     bind_map(m);
     bind_microfacet(m);
     bind_opacity(m);
+    bind_pictures(m);
     bind_ray_storage(m);
 
     m.def(

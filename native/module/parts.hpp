@@ -13,6 +13,7 @@ void bind_frame_parts(pybind11::module_ &m);
 void bind_map(pybind11::module_ &m);
 void bind_microfacet(pybind11::module_ &m);
 void bind_opacity(pybind11::module_ &m);
+void bind_pictures(pybind11::module_ &m);
 void bind_ray_storage(pybind11::module_ &m);
 void bind_reference(pybind11::module_ &m);
 void bind_reference_area_light(pybind11::module_ &reference);

@@ -649,6 +649,11 @@ def transmittance_before(
 def unpack(texels: ArrayLike, basis: str | LearnedBasis = "fourier") -> tuple[Any, ...]:
     """The coefficients (..., n) and range (..., 2) of texels that pack made with the same basis."""
 
+def unreadable_picture(path: str) -> str | None:
+    """Why a picture cannot be read whole, naming its file; None where all its pixels can. Of a format that is not
+    known here only whether there is a file that holds something.
+    """
+
 def volume_header(path: str, grid: str = "density") -> tuple[Any, ...]:
     """Of what read_volume gives, the density's shape (nz, ny, nx) and grid_to_object (4, 4), read from the file's
     header alone where it has them. Raises ValueError as read_volume does.

@@ -56,7 +56,4 @@ private:
     std::int64_t window_first = 0;
 };
 
-// A text that may be of a file, for people: what is no letter is a question mark. UTF-8, always.
-std::string legible(const std::string &text);
-
 } // namespace sfumato

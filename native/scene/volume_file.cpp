@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/volume_file.hpp"
 
+#include "scene/any_file.hpp"
 #include "scene/vdb_tree.hpp"
 
 #include <algorithm>

@@ -44,7 +44,7 @@ RULES = [
     Rule("the GPU is imported late", r"addon/", NOWHERE, r"^(import|from) gpu", ("addon/engine.py", "import gpu")),
     Rule("one home for pybind11", r"native/", r"native/module", r"pybind11",
          ("native/frame/frame.cpp", "#include <pybind11/numpy.h>")),
-    Rule("one home for OpenImageIO", r"native/", r"native/scene/image\.", r"OpenImageIO|OIIO",
+    Rule("one home for OpenImageIO", r"native/", r"native/scene/picture_file\.", r"OpenImageIO|OIIO",
          ("native/frame/frame.cpp", "#include <OpenImageIO/imageio.h>")),
     # It corrupts memory on some damaged files, so it writes and judges in tests and reads nothing of an artist's.
     Rule("OpenVDB is the tests' alone", r"(native/|CMakeLists)", NOWHERE, r"(?i)openvdb(/|::|\})",
