@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import core, engine, log, passes, props, ui
+from . import core, engine, frames, log, passes, props, ui
 from .view import overlay
 
 
@@ -14,6 +14,7 @@ def register() -> None:
     passes.register()
     bpy.utils.register_class(engine.SfumatoEngine)
     ui.register()
+    frames.register()
     if problem := core.problem():
         log.replace("start", [problem])
     if not bpy.app.background:
@@ -22,6 +23,7 @@ def register() -> None:
 
 def unregister() -> None:
     overlay.disable()
+    frames.unregister()
     ui.unregister()
     bpy.utils.unregister_class(engine.SfumatoEngine)
     passes.unregister()

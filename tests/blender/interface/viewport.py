@@ -132,13 +132,13 @@ def test_rendered_view_keeps_to_its_region() -> Iterator[float | None]:
     render.use_border = space.use_render_border = False
 
 
-def camera_frame(width: int, height: int) -> tuple[float, float]:
+def camera_frame(width: int, height: int) -> np.ndarray:
     """The size in pixels at which the camera's frame is seen."""
     scene_camera = bpy.context.scene.camera
     corners = np.array([(*corner, 1.0) for corner in scene_camera.data.view_frame(scene=bpy.context.scene)])
     seen = corners @ np.array(scene_camera.matrix_world).T @ screen.view_matrix().T
     places = seen[:, :2] / seen[:, 3:] * 0.5
-    return tuple(np.ptp(places, axis=0) * (width, height))
+    return np.asarray(np.ptp(places, axis=0) * (width, height))
 
 
 def test_overlay_follows_view_and_time_and_reads_the_scene_only_when_it_changes() -> Iterator[float | None]:
