@@ -152,40 +152,32 @@ def masks_apart() -> float:
     return float(bpy.app.version < (4, 0, 0))
 
 
-def reflectance(principled: Any) -> float:
-    """Of light from straight on, of the dielectric layer of a Principled BSDF."""
-    if "Specular IOR Level" in principled.inputs:  # 4.0: a factor of what the index of refraction gives
-        index = max(float(principled.inputs["IOR"].default_value), 1e-5)
-        level = float(np.clip(principled.inputs["Specular IOR Level"].default_value, 0.0, 1.0))
-        return min(2.0 * level * ((index - 1.0) / (index + 1.0)) ** 2, 1.0)
-    return 0.08 * float(np.clip(principled.inputs["Specular"].default_value, 0.0, 1.0))
-
-
-def gloss_covers() -> bool:
-    """Whether a Principled BSDF's gloss takes its share of the light before its diffuse layer gets the rest: from 4.0 on.
-    'smooth, from 75 degrees': .6684 in 3.4.1, .5266 in 4.2.23."""
+def principled_has_layers() -> bool:
+    """Whether a Principled BSDF is a metal beside, and gloss above, what is diffuse, each with a reflectance of its own,
+    and what one reflects the others do not get: from 4.0 on. Before, one gloss lies over the diffuse part and takes nothing
+    of its light, and metals rise to white as dielectrics do. 'smooth, from 75 degrees': .6684 in 3.4.1, .5266 in 4.2.23;
+    'half metal, rough': .1855, .2583."""
     return bool(bpy.app.version >= (4, 0, 0))
 
 
 def facets_are_lossless(shader: Any) -> bool:
     """Whether gloss is to have what its facets send to each other, as Multiscatter GGX has it, the default from 4.0 on.
-    Before, the same name meant paths between facets, and was no default: shown as GGX. 'rough metal': .2211 in 3.4.1, .5429
-    in 4.2.23."""
+    Before, the same name meant paths between facets, and was no default. 'rough metal': .2211 in 3.4.1, .5429 in 4.2.23.
+    """
     return bool(bpy.app.version >= (4, 0, 0)) and shader.distribution == "MULTI_GGX"
 
 
-def metals_have_an_index() -> bool:
-    """Whether Cycles lets a Principled metal rise to white as its dielectric layer does, as before 4.0. From there on
-    a metal has the F82 model (Kutz, Hasan and Edmondson 2021), which with a white edge is Schlick's curve. 3.4.1 against
-    4.2.23: fresnel.py, metal."""
+def diffuse_is_burleys() -> bool:
+    """Whether the diffuse part of a Principled BSDF is Burley's, of its one roughness, as before 4.0. 'no specular': .3842
+    in 3.4.1, .2736 in 4.2.23."""
     return bool(bpy.app.version < (4, 0, 0))
 
 
-def diffuse_roughness(principled: Any) -> float:
-    """Of Burley's diffuse surfaces, as Cycles has them in a Principled BSDF before 4.0; -1 for Lambert's, as it has since.
-    'no specular': .3842 in 3.4.1, .2736 in 4.2.23."""
-    old = bpy.app.version < (4, 0, 0)
-    return float(np.clip(principled.inputs["Roughness"].default_value, 0.0, 1.0)) if old else -1.0
+def grooves() -> int:
+    """What kind of native diffuse surface Cycles' rough ones are, by Oren and Nayar: until 4.2.23 of one reflection, from
+    4.3.2 on of all, and up to 5.2.2 with the later ones in the colour of one reflection more. 'rough diffuse, towards the
+    light': .0777 in 4.2.23, .1044 in 4.3.2 and 5.2.2, .1110 in 5.3.0."""
+    return 2 if bpy.app.version < (4, 3, 0) else 4 if bpy.app.version < (5, 3, 0) else 3
 
 
 def emission_socket(principled: Any) -> str:

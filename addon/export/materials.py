@@ -1,21 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node materials reduced to what is modelled: diffuse colours, cross-sections of smoke, a plain background."""
+"""Nodes, and what is read of them besides surfaces: cross-sections of smoke, a plain background."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
-
-# What a Principled BSDF may be besides what is shown; sockets have other names from Blender 4.0 on.
-BEYOND = ("Transmission", "Transmission Weight", "Subsurface", "Subsurface Weight", "Sheen", "Sheen Weight", "Clearcoat",
-          "Coat Weight")  # fmt: skip
-PLAIN_GREY = (0.8, 0.8, 0.8)
 
 
 def active_output(material: Any) -> Any | None:
@@ -30,8 +24,8 @@ def output_in(tree: Any, kind: str) -> Any | None:
     return next((node for node in tree.nodes if node.type == kind and node.is_active_output), None)
 
 
-def linked_node(node: Any, socket: str) -> Any | None:
-    """The node behind an input, reroutes followed, or None."""
+def linked_node(node: Any, socket: str | int) -> Any | None:
+    """The node behind an input, by its name or place, reroutes followed, or None."""
     links = node.inputs[socket].links
     while links:
         source = links[0].from_node
@@ -58,107 +52,6 @@ def value_of(node: Any, name: str, owner: str, notices: list[str]) -> Any:
     if source is not None and source.type not in {"VALUE", "RGB"}:
         notices.append(f"{owner}: the link into '{name}' is not followed yet; its own value is used")
     return value if isinstance(value, (int, float, str)) else np.array(value[:3], dtype=np.float64)
-
-
-@dataclass
-class Surface:
-    """How a material reflects: diffusely, and as native Gloss."""
-
-    albedo: NDArray[np.float64]
-    reflectance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
-    edge: float = 0.0
-    index: float = 0.0
-    alpha: tuple[float, float] = (0.0, 0.0)
-    emission: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
-    diffuse_roughness: float = -1.0  # Lambert's
-    lossless: bool = False
-    cover: float = 0.0
-
-    @property
-    def gloss(self) -> tuple[float, ...]:
-        once = (*np.clip(self.reflectance, 0.0, 1.0), self.edge, *self.alpha, compat.masks_apart(), self.index)
-        return (*once, float(self.lossless), self.cover)
-
-
-def alphas(roughness: float, anisotropy: float = 0.0) -> tuple[float, float]:
-    """GGX's slopes as Cycles takes them; below a roughness of 0.1 we show what 0.1 looks like."""
-    alpha = max(min(roughness, 1.0), 0.1) ** 2
-    aspect = float(np.sqrt(1.0 - 0.9 * np.clip(anisotropy, 0.0, 1.0)))
-    return min(alpha / aspect, 1.0), alpha * aspect
-
-
-def index_of(reflectance: float) -> float:
-    """The index of refraction that reflects so much of light from straight on."""
-    root = math.sqrt(min(max(reflectance, 0.0), 0.99))
-    return (1.0 + root) / (1.0 - root)
-
-
-def principled(shader: Any, owner: str, notices: list[str]) -> Surface:
-    """Base colour, metallic, roughness, specular and anisotropy of a Principled BSDF."""
-    colour = np.clip(value_of(shader, "Base Color", owner, notices), 0.0, 1.0)
-    metallic = float(np.clip(value_of(shader, "Metallic", owner, notices), 0.0, 1.0))
-    plain = compat.reflectance(shader)
-    if shader.inputs["Roughness"].is_linked or shader.inputs["Anisotropic"].is_linked:
-        notices.append(f"{owner}: links into 'Roughness' and 'Anisotropic' are not followed yet")
-    for name in BEYOND:
-        if name in shader.inputs and value_of(shader, name, owner, []) > 0.0:
-            notices.append(f"{owner}: '{name}' is not shown yet")
-    reflectance = (1.0 - metallic) * plain + metallic * colour
-    glow = value_of(shader, compat.emission_socket(shader), owner, notices)
-    emission = np.maximum(glow * value_of(shader, "Emission Strength", owner, notices), 0.0)
-    # One curve has to do for both layers: of those that differ, that of the one which there is more of.
-    curved = metallic <= 0.5 or compat.metals_have_an_index()
-    index = index_of(plain) if curved else 0.0
-    rough = compat.diffuse_roughness(shader)
-    surface = Surface((1.0 - metallic) * colour, reflectance, 1.0, index, emission=emission, diffuse_roughness=rough)
-    if reflectance.max() <= 0.0 and surface.index == 1.0:  # not even at the edge, as a black metal does
-        return Surface(surface.albedo, emission=emission, diffuse_roughness=rough)
-    anisotropy = value_of(shader, "Anisotropic", owner, [])
-    if anisotropy > 0.0 and value_of(shader, "Anisotropic Rotation", owner, []) > 0.0:
-        notices.append(f"{owner}: 'Anisotropic Rotation' is not followed yet")
-    surface.alpha = alphas(value_of(shader, "Roughness", owner, []), anisotropy)
-    surface.lossless = compat.facets_are_lossless(shader)
-    surface.cover = index_of(plain) if compat.gloss_covers() else 0.0
-    return surface
-
-
-def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
-    """What a material's surface reflects; None where it has no surface at all, as a volume's."""
-    if material is None:
-        return Surface(np.array(PLAIN_GREY))
-    output = active_output(material)
-    if output is None:
-        return Surface(np.array(material.diffuse_color[:3]))
-    shader = linked_node(output, "Surface")
-    if shader is None:
-        return None if output.inputs["Volume"].is_linked else Surface(np.zeros(3))
-    if shader.type == "BSDF_PRINCIPLED":
-        return principled(shader, owner, notices)
-    if shader.type == "EMISSION":
-        radiance = value_of(shader, "Color", owner, notices) * value_of(shader, "Strength", owner, notices)
-        return Surface(np.zeros(3), emission=np.maximum(radiance, 0.0))
-    if shader.type == "BSDF_DIFFUSE":
-        return Surface(value_of(shader, "Color", owner, notices))
-    if shader.type in {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"}:
-        if shader.distribution not in {"GGX", "MULTI_GGX"}:
-            notices.append(f"{owner}: its gloss is {shader.distribution.lower()}; it is shown as GGX")
-        roughness = value_of(shader, "Roughness", owner, notices)
-        anisotropy = shader.inputs.get("Anisotropy")
-        twist = 0.0 if anisotropy is None else float(anisotropy.default_value)
-        gloss = Surface(np.zeros(3), value_of(shader, "Color", owner, notices), alpha=alphas(roughness, twist))
-        gloss.lossless = compat.facets_are_lossless(shader)
-        return gloss
-    notices.append(f"{owner}: the shader {shader.type.lower()} is shown as diffuse in the material's viewport colour")
-    return Surface(np.array(material.diffuse_color[:3]))
-
-
-def surfaces(thing: Any, notices: list[str]) -> list[Surface] | None:
-    """One for each material slot; None for an object without any surface."""
-    slots = [slot.material for slot in thing.material_slots] or [None]
-    found = [surface_of(material, thing.name, notices) for material in slots]
-    if all(surface is None for surface in found):
-        return None
-    return [surface or Surface(np.zeros(3)) for surface in found]
 
 
 @dataclass

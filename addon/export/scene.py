@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import lights, materials, meshes, smoke
+from . import lights, materials, meshes, smoke, surfaces
 from .parts import Parts
 
 
@@ -35,7 +35,7 @@ class _Group:
 
     name: str
     mesh: Any
-    surfaces: list[materials.Surface]
+    surfaces: list[surfaces.Surface]
     triangles: meshes.Triangles | None  # of what glows
     material_indices: list[int]
     places: list[int] = field(default_factory=list)
@@ -142,37 +142,33 @@ def _group_key(thing: Any) -> tuple[int, int]:
 
 def _group_of(thing: Any, depsgraph: Any, parts: Parts, notices: list[str]) -> _Group | None:
     """The surfaces of an object, without a place as yet; None where it has none."""
-    surfaces = materials.surfaces(thing, notices)
-    if surfaces is None:
+    found = surfaces.surfaces(thing, notices)
+    if found is None:
         return None
-    brushed = any(surface.alpha[0] != surface.alpha[1] for surface in surfaces)
-    mesh = meshes.mesh_of(thing, len(surfaces), brushed, depsgraph, parts)
+    mesh = meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts)
     if mesh is None:
         return None
-    glows = any(surface.emission.any() for surface in surfaces)
+    glows = any(surface.emission.any() for surface in found)
     indices = [slot.material.pass_index if slot.material else 0 for slot in thing.material_slots] or [0]
-    return _Group(thing.name, mesh, surfaces, meshes.triangles_of(thing, len(surfaces)) if glows else None, indices)
+    return _Group(thing.name, mesh, found, meshes.triangles_of(thing, len(found)) if glows else None, indices)
 
 
 def add_surfaces(out: Export, group: _Group, places: NDArray[np.float64]) -> int:
     """The triangles of an object in all its places (n, 4, 4). Returns how many lights those that emit are."""
-    surfaces = group.surfaces
     usable = np.isfinite(places).all(axis=(1, 2))
     indices = np.array(group.object_indices, dtype=np.float64)[usable]
     if not usable.all():
         out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
         places = places[usable]
-    gloss = [surface.gloss for surface in surfaces] if any(surface.alpha[0] > 0.0 for surface in surfaces) else None
-    emission = np.array([surface.emission for surface in surfaces])
-    rough = np.array([surface.diffuse_roughness for surface in surfaces])
+    emission = np.array([surface.emission for surface in group.surfaces])
     try:
         out.scene.add_instances(
             group.mesh,
             places,
-            np.clip([surface.albedo for surface in surfaces], 0.0, 1.0),
-            gloss,
+            np.clip([surface.albedo for surface in group.surfaces], 0.0, 1.0),
+            surfaces.rows_of_gloss(group.surfaces),
             emission=emission if emission.any() else None,
-            diffuse_roughness=rough if rough.max() >= 0.0 else None,
+            diffuse=surfaces.diffuse_kinds(group.surfaces),
             object_index=indices,
             material_index=np.array(group.material_indices, dtype=np.float64),
         )

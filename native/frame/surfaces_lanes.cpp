@@ -7,6 +7,7 @@
 #include "solids/first_surface_lanes.hpp"
 #include "solids/hits_lanes.hpp"
 #include "text/camera_text.hpp"
+#include "text/microfacets_text.hpp"
 #include "text/rays_text.hpp"
 #include "text/surfaces_text.hpp"
 
@@ -72,6 +73,10 @@ struct Reflected {
     Real lit[3];     // the same of each colour, without what glows
 };
 
+Real component(const vec3 &v, int axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
 void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
     v.x.store_aligned(to[0]);
     v.y.store_aligned(to[1]);
@@ -82,14 +87,53 @@ void pack(const Surface &surface, const vec3 &point, const vec3 &direction, Shad
     store(point, packet.point);
     store(surface.normal, packet.normal);
     store(direction, packet.direction);
-    packet.glossy = surface.glossy;
-    const Plane plane = surface.glossy ? surface.tangents : plane_across(surface.normal);
+    const Plane plane = surface.lobes > 0 ? surface.tangents : plane_across(surface.normal);
     store(plane.x, packet.tangent);
     store(plane.y, packet.bitangent);
-    surface.alpha_x.store_aligned(packet.alpha_x);
-    surface.alpha_y.store_aligned(packet.alpha_y);
-    surface.apart.store_aligned(packet.apart);
-    surface.index.store_aligned(packet.index);
+}
+
+void pack_lobe(const Lobe &lobe, const Plane &tangents, ShadingPacket &packet) {
+    lobe.alpha_x.store_aligned(packet.alpha_x);
+    lobe.alpha_y.store_aligned(packet.alpha_y);
+    lobe.apart.store_aligned(packet.apart);
+    lobe.index.store_aligned(packet.index);
+    const vec3 tangent = tangents.x * lobe.cosine + tangents.y * lobe.sine;
+    store(tangent, packet.tangent);
+    store(tangents.y * lobe.cosine - tangents.x * lobe.sine, packet.bitangent);
+}
+
+// What a layer of gloss makes of a light, past solids too; `dip` for Fresnel's share of its dip.
+struct Mirrored {
+    Real plain, fresnel, dip, visible;
+};
+
+// Facets are of one kind in all lanes of a packet, and hardly ever of both in one.
+template <typename Body>
+void for_both_facets(const Surface &surface, const Lobe &lobe, ShadingPacket &packet, const Body &body) {
+    for (const bool beckmann : {false, true}) {
+        const Mask these = beckmann ? lobe.beckmann : !lobe.beckmann;
+        if (xsimd::any(these & surface.hit & (lobe.alpha_x > 0.0F))) {
+            packet.beckmann = beckmann;
+            body(these);
+        }
+    }
+}
+
+Mirrored mirrored(const LightView &light, const Surface &surface, const Lobe &lobe, ShadingPacket &packet) {
+    Mirrored out{0.0F, 0.0F, 0.0F, 0.0F};
+    pack_lobe(lobe, surface.tangents, packet);
+    for_both_facets(surface, lobe, packet, [&](Mask these) {
+        shade_gloss(light, packet);
+        out.plain = pick(these, Real::load_aligned(packet.plain), out.plain);
+        out.fresnel = pick(these, Real::load_aligned(packet.fresnel), out.fresnel);
+    });
+    if (xsimd::any(max(max(lobe.dip.x, lobe.dip.y), lobe.dip.z) > 0.0F)) {
+        packet.beckmann = false;
+        Real(DIP_BEFORE_EDGE).store_aligned(packet.index);
+        shade_gloss(light, packet);
+        out.dip = Real::load_aligned(packet.fresnel);
+    }
+    return out;
 }
 
 // The share of a light that reaches a surface: past solids, asked for one point of the light, and through the smoke.
@@ -111,24 +155,27 @@ vec3 beside(const Surface &surface, const vec3 &start, const Ray &other) {
     return pick(near, other.origin + other.direction * distance, start);
 }
 
-// The share of a light that solids leave a surface, for what it reflects diffusely and for its gloss.
+// The share of a light that solids leave a surface, for what it reflects diffusely and for each of its layers of gloss.
 struct PastSolids {
-    Real diffuse, gloss;
+    Real diffuse, gloss[MAX_LOBES];
 };
 
 // Of the sample that the ray stands for; or a mean over the packet's shadow samples, each by what the surface would
 // make of it: with that the closed forms count as a control (Heitz, Hill and McGuire, "Combining analytic direct
 // illumination and stochastic shadows", 2018), and of what hides a part of a light a mirror knows only the part that it
 // shows.
-PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface,
+PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface, int lobes,
                              const LightView &light, const vec3 &start, ShadingPacket &shading) {
+    PastSolids sum{};
     if (packet.shadows.empty()) {
         const Real u = Real::load_aligned(packet.light_u), v = Real::load_aligned(packet.light_v);
         const Real visible = solid_visibility(frame, surface, start, sample_towards(light, start, u, v));
-        return {visible, visible};
+        sum.diffuse = visible;
+        std::fill_n(sum.gloss, lobes, visible);
+        return sum;
     }
     constexpr float NOTHING = 1e-20F; // what the surface makes nothing of is a plain mean
-    PastSolids sum{0.0F, 0.0F}, all{0.0F, 0.0F};
+    PastSolids all{};
     for (const ShadowSample &sample : packet.shadows) {
         const vec3 from =
             beside(surface, start, ray_through(frame, Real::load_aligned(sample.u), Real::load_aligned(sample.v)));
@@ -138,25 +185,79 @@ PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const
         const Real diffuse = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance + NOTHING;
         all.diffuse = all.diffuse + diffuse;
         sum.diffuse = sum.diffuse + diffuse * visible;
-        if (surface.glossy) {
+        if (lobes > 0) {
             store(towards.direction, shading.towards);
-            weigh_gloss(shading);
-            const Real gloss = Real::load_aligned(shading.plain) * towards.irradiance + NOTHING;
-            all.gloss = all.gloss + gloss;
-            sum.gloss = sum.gloss + gloss * visible;
+        }
+        for (int k = 0; k < lobes; ++k) {
+            const Lobe &lobe = surface.lobe[k];
+            Real weight = 0.0F;
+            pack_lobe(lobe, surface.tangents, shading);
+            for_both_facets(surface, lobe, shading, [&](Mask these) {
+                weigh_gloss(shading);
+                weight = pick(these, Real::load_aligned(shading.plain), weight);
+            });
+            const Real gloss = weight * towards.irradiance + NOTHING;
+            all.gloss[k] = all.gloss[k] + gloss;
+            sum.gloss[k] = sum.gloss[k] + gloss * visible;
         }
     }
-    return {sum.diffuse / all.diffuse, surface.glossy ? sum.gloss / all.gloss : Real(0.0F)};
+    sum.diffuse = sum.diffuse / all.diffuse;
+    for (int k = 0; k < lobes; ++k) {
+        sum.gloss[k] = sum.gloss[k] / all.gloss[k];
+    }
+    return sum;
 }
 
-// Of light from the middle of a light, for all of it.
-Real rim_of(const Surface &surface, const LightView &light, const vec3 &point, const vec3 &direction) {
-    if (!xsimd::any(surface.diffuse_roughness >= 0.0F)) {
-        return 1.0F;
+bool any_spreads(const Surface &surface, Spreading from) {
+    return xsimd::any(surface.hit & (surface.spreading >= static_cast<float>(from)));
+}
+
+// What grooves send of light from a direction, over Lambert's.
+vec3 grooves(const Surface &surface, const vec3 &towards, const vec3 &to_eye) {
+    const Real light = dot(surface.normal, towards), eye = dot(surface.normal, to_eye), rough = surface.roughness;
+    const Real lost =
+        (1.0F - SurfacesText().grooves_albedo(light, rough)) * (1.0F - SurfacesText().grooves_albedo(eye, rough));
+    const Real once = SurfacesText().grooves(light, eye, dot(towards, to_eye), rough);
+    return {surface.again.x * lost + once, surface.again.y * lost + once, surface.again.z * lost + once};
+}
+
+// What a diffuse surface sends to the eye of a light, over Lambert's: Burley's of light from the middle of it, for all
+// of it; grooves' as the mean over points of the light, by what each brings, since they send most of it back.
+vec3 over_lamberts(const Surface &surface, const LightView &light, const vec3 &point, const vec3 &to_eye) {
+    vec3 out{1.0F, 1.0F, 1.0F};
+    if (!any_spreads(surface, Spreading::BURLEY)) {
+        return out;
     }
-    const vec3 towards = light.parallel() ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
-    return SurfacesText().diffuse_rim(dot(surface.normal, towards), -dot(surface.normal, direction),
-                                      -dot(direction, towards), surface.diffuse_roughness);
+    const vec3 middle = light.parallel() ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+    const Real rim = SurfacesText().diffuse_rim(dot(surface.normal, middle), dot(surface.normal, to_eye),
+                                                dot(to_eye, middle), surface.roughness);
+    const Mask burley = surface.spreading == static_cast<float>(Spreading::BURLEY);
+    const Real one = pick(burley, rim, 1.0F);
+    out = {one, one, one};
+    if (!any_spreads(surface, Spreading::GROOVES)) {
+        return out;
+    }
+    constexpr int SIDE = 4; // of a lattice whose rows are shifted
+    vec3 sum{0.0F, 0.0F, 0.0F};
+    Real weights = 1e-30F;
+    for (int k = 0; k < SIDE * SIDE; ++k) {
+        const Real u = (static_cast<float>(k) + 0.5F) / (SIDE * SIDE), v = (static_cast<float>(k % SIDE) + 0.5F) / SIDE;
+        const Towards towards = sample_towards(light, point, u, v);
+        const Real weight = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance;
+        weights = weights + weight;
+        sum = sum + grooves(surface, towards.direction, to_eye) * weight;
+    }
+    const Mask grooved = surface.spreading > static_cast<float>(Spreading::BURLEY);
+    const Real by = 1.0F / weights;
+    return {pick(grooved, sum.x * by, out.x), pick(grooved, sum.y * by, out.y), pick(grooved, sum.z * by, out.z)};
+}
+
+// Of a light of strength 1, in a colour.
+Real reflected_by(const Lobe &lobe, const Mirrored &gloss, int colour) {
+    const Real straight_on = component(lobe.reflectance, colour);
+    const Real edge = lobe.edge * (1.0F - straight_on);
+    const Real sent = straight_on * gloss.plain + edge * gloss.fresnel - component(lobe.dip, colour) * gloss.dip;
+    return sent * component(lobe.gain, colour);
 }
 
 Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
@@ -175,17 +276,21 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
     // itself if that glows: whether it is seen from before or from behind must not hang on the last digit.
     const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
     const vec3 start = point + surface.geometric_normal * offset;
-    const Real albedos[3] = {surface.albedo.x, surface.albedo.y, surface.albedo.z};
-    const Real reflectances[3] = {surface.reflectance.x, surface.reflectance.y, surface.reflectance.z};
-    const Real gains[3] = {surface.gain.x, surface.gain.y, surface.gain.z};
+    // A share in shadow is one of what comes, not of what is reflected.
+    const int lobes = radiance ? surface.lobes : 0;
     ShadingPacket packed;
     pack(surface, start, ray.direction, packed);
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
     for (const LightView &light : frame.lights) {
-        shade(light, packed);
-        const Real diffuse = Real::load_aligned(packed.diffuse), plain = Real::load_aligned(packed.plain);
-        const Real fresnel = Real::load_aligned(packed.fresnel);
-        const Mask lit = surface.hit & ((diffuse > 0.0F) | (plain > 0.0F));
+        shade_diffuse(light, packed);
+        const Real diffuse = Real::load_aligned(packed.diffuse);
+        Mirrored gloss[MAX_LOBES];
+        Mask lit = diffuse > 0.0F;
+        for (int k = 0; k < lobes; ++k) {
+            gloss[k] = mirrored(light, surface, surface.lobe[k], packed);
+            lit = lit | (gloss[k].plain > 0.0F);
+        }
+        lit = lit & surface.hit;
         const bool any_lit = xsimd::any(lit);
         if (radiance && !any_lit) {
             continue;
@@ -200,19 +305,25 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
         if (!any_lit) {
             continue;
         }
-        const PastSolids past = light_past_solids(frame, packet, surface, light, start, packed);
-        const Real visible = pick(lit, past.diffuse, 0.0F), mirrored = pick(lit, past.gloss, 0.0F);
+        const PastSolids past = light_past_solids(frame, packet, surface, lobes, light, start, packed);
+        const Real visible = pick(lit, past.diffuse, 0.0F);
+        for (int k = 0; k < lobes; ++k) {
+            gloss[k].visible = pick(lit, past.gloss[k], 0.0F);
+        }
         Real through[3];
         smoke_transmittance(frame, light, point, through);
-        const Real rim = radiance ? rim_of(surface, light, start, ray.direction) : Real(1.0F);
+        const vec3 spread = radiance ? over_lamberts(surface, light, start, -ray.direction) : vec3(0.0F, 0.0F, 0.0F);
         for (int c = 0; c < 3; ++c) {
             if (radiance) {
-                const Real edge = surface.edge * (1.0F - reflectances[c]);
-                const Real dull = albedos[c] * diffuse * rim * light.strength[c];
-                const Real gloss = (reflectances[c] * plain + edge * fresnel) * gains[c] * light.strength[c];
-                const Real sent = dull * visible + gloss * mirrored;
-                out.unshadowed = out.unshadowed + (dull + gloss) * (1.0F / 3.0F);
-                out.lit[c] = out.lit[c] + (dull + gloss);
+                const Real dull = component(surface.albedo, c) * diffuse * component(spread, c) * light.strength[c];
+                Real sent = dull * visible, all = dull;
+                for (int k = 0; k < lobes; ++k) {
+                    const Real shine = reflected_by(surface.lobe[k], gloss[k], c) * light.strength[c];
+                    sent = sent + shine * gloss[k].visible;
+                    all = all + shine;
+                }
+                out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
+                out.lit[c] = out.lit[c] + all;
                 out.open[c] = out.open[c] + sent;
                 out.shadowed[c] = out.shadowed[c] + sent * through[c];
                 continue;
@@ -259,7 +370,7 @@ void store_passes(const FrameView &frame, LayerSet wanted, const Ray &ray, const
     }
     if (wanted.has(Layer::MATERIAL_INDEX)) {
         const bool any = xsimd::any(surface.hit);
-        const Real index = any ? gather(frame.surfaces.properties + MATERIAL_FLOATS - 1, surface.material) : Real(0.0F);
+        const Real index = any ? gather(frame.surfaces.properties + material_row::NUMBER, surface.material) : Real(0.0F);
         pick(surface.hit, index, 0.0F).store_aligned(out.material_index);
     }
     const Real glow[3] = {surface.emission.x, surface.emission.y, surface.emission.z};

@@ -66,16 +66,23 @@ double sent_again(double reflectance, double plain) {
 
 GlossCurves gloss_curves(const Gloss &gloss) {
     GlossCurves out;
-    out.kept.fill(1.0F);
-    const bool covers = gloss.cover > 0.0F;
+    out.left.fill(1.0F);
     const double alpha = std::sqrt(static_cast<double>(gloss.alpha[0]) * static_cast<double>(gloss.alpha[1]));
-    if (alpha <= 0.0 || (!covers && !gloss.lossless)) {
+    if (alpha <= 0.0) {
+        return out;
+    }
+    const bool leaves_rest = gloss.below == Below::REST;
+    const auto share = static_cast<double>(gloss.share);
+    out.left.fill(gloss.below == Below::NOTHING ? 1.0F - gloss.share : 1.0F);
+    for (auto &gain : out.gain) {
+        gain.fill(gloss.share);
+    }
+    if (!leaves_rest && !gloss.lossless) {
         return out;
     }
     std::array<Albedo, CURVE_POINTS> at;
     for (int k = 0; k < CURVE_POINTS; ++k) {
-        at[k] = albedo(alpha, gloss.cover, static_cast<double>(k) / (CURVE_POINTS - 1));
-        out.lost[k] = static_cast<float>(1.0 / at[k].plain - 1.0);
+        at[k] = albedo(alpha, gloss.index, static_cast<double>(k) / (CURVE_POINTS - 1));
     }
     const double plain = mean(
         [&](double cosine) {
@@ -87,20 +94,19 @@ GlossCurves gloss_curves(const Gloss &gloss) {
     const auto mean_share = [](double index) {
         return mean([index](double cosine) { return Text().fresnel_share(cosine, index); }, 64);
     };
-    if (gloss.lossless) {
-        const double share = gloss.edge * mean_share(gloss.index);
-        for (int c = 0; c < 3; ++c) {
-            const double f0 = gloss.reflectance[c];
-            out.again[c] = static_cast<float>(sent_again(f0 + (1.0 - f0) * share, plain));
-        }
-    }
-    if (covers) {
-        const double root = (gloss.cover - 1.0) / (gloss.cover + 1.0), f0 = root * root;
-        const double again = sent_again(f0 + (1.0 - f0) * mean_share(gloss.cover), plain);
+    const double rise = gloss.edge * mean_share(gloss.index), dip = mean_share(DIP_BEFORE_EDGE);
+    for (int c = 0; c < 3; ++c) {
+        const double f0 = gloss.reflectance[c];
+        // What comes out of each unit lost between facets.
+        const double again = gloss.lossless ? sent_again(f0 + (1.0 - f0) * rise - gloss.dip[c] * dip, plain) : 0.0;
         for (int k = 0; k < CURVE_POINTS; ++k) {
-            const double reflected = f0 + (1.0 - f0) * at[k].fresnel / at[k].plain; // if nothing were lost
-            const double once = at[k].plain, more = again * (1.0 - once);
-            out.kept[k] = static_cast<float>(1.0 - reflected * (gloss.lossless ? once + more : 1.0));
+            const double once = at[k].plain, lost = 1.0 - once;
+            out.gain[c][k] = static_cast<float>(share * (1.0 + again * lost / once));
+            if (leaves_rest) {
+                const double first = f0 + (1.0 - f0) * gloss.edge * at[k].fresnel / once; // if nothing were lost
+                const double reflected = first * (gloss.lossless ? once + again * lost : 1.0);
+                out.left[k] = std::min(out.left[k], static_cast<float>(1.0 - share * reflected));
+            }
         }
     }
     return out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a glossy layer does besides reflecting once: what it leaves to the diffuse surface below, and what comes of
-// light that its facets send to each other.
+// What a layer of gloss does besides reflecting once: what it leaves to all that lies below it, and what comes of light
+// that its facets send to each other.
 #pragma once
 
 #include "scene/scene.hpp"
@@ -12,11 +12,10 @@ namespace sfumato {
 constexpr int CURVE_POINTS = 16;
 
 struct GlossCurves {
-    // At cosines to the eye from 0 to 1, in equal steps: the share of what is diffuse that is left; and of light from
-    // all sides, how much is lost between facets for each unit that is not.
-    std::array<float, CURVE_POINTS> kept{};
-    std::array<float, CURVE_POINTS> lost{};
-    glm::vec3 again{0.0F}; // what comes out of each unit lost: gloss is to be multiplied by 1 + again lost
+    // At cosines to the eye from 0 to 1, in equal steps: the share of what is below that is left; and what the layer's
+    // light is to be multiplied by, in each colour: its share of the surface, and more for what its facets lose.
+    std::array<float, CURVE_POINTS> left{};
+    std::array<std::array<float, CURVE_POINTS>, 3> gain{};
 };
 
 GlossCurves gloss_curves(const Gloss &gloss);

@@ -54,11 +54,11 @@ std::vector<std::uint32_t> numbers(const std::optional<Doubles> &array, std::siz
 
 void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &to_world, const Floats &albedo,
                    const std::optional<Floats> &gloss, const std::optional<Floats> &emission,
-                   const std::optional<Floats> &diffuse_roughness, const std::optional<Doubles> &object_index,
+                   const std::optional<Floats> &diffuse, const std::optional<Doubles> &object_index,
                    const std::optional<Doubles> &material_index) {
     Instances out;
     out.shape = mesh.shape;
-    out.materials = checked_materials(albedo, gloss, emission, diffuse_roughness);
+    out.materials = checked_materials(albedo, gloss, emission, diffuse);
     if (out.materials.albedo.size() < mesh.materials) {
         throw py::value_error("albedo has " + text(out.materials.albedo.size()) + " rows, but the mesh names " +
                               text(mesh.materials) + " materials");
@@ -72,7 +72,7 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
 void add_mesh(ConsoleScene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
               const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
               const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission,
-              const std::optional<Floats> &diffuse_roughness) {
+              const std::optional<Floats> &diffuse) {
     require_shape(triangles, {-1, 3}, "triangles");
     require_shape(corner_normals, {triangles.shape(0), 3, 3}, "corner_normals");
     require_finite(corner_normals, "corner_normals");
@@ -85,7 +85,7 @@ void add_mesh(ConsoleScene &scene, const Floats &vertices, const Doubles &triang
     static_cast<void>(indices(material, albedo.shape(0), "material"));
     Instances out;
     out.shape = checked_mesh(vertices, triangles, corner_normals, material, corner_tangents).shape;
-    out.materials = checked_materials(albedo, gloss, emission, diffuse_roughness);
+    out.materials = checked_materials(albedo, gloss, emission, diffuse);
     out.to_world = {glm::mat4(1.0F)};
     scene.meshes.push_back(std::move(out));
 }
@@ -242,29 +242,32 @@ void bind_scene(py::module_ &m) {
         .def(py::init<>())
         .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::arg("corner_normals"),
              py::arg("material"), py::arg("albedo"), py::arg("gloss") = py::none(),
-             py::arg("corner_tangents") = py::none(), py::arg("emission") = py::none(),
-             py::arg("diffuse_roughness") = py::none(),
+             py::arg("corner_tangents") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse") = py::none(),
              R"(Add triangles that reflect diffusely, and with gloss.
 
 vertices (n, 3), metres in world space; triangles (m, 3), indices into vertices; corner_normals (m, 3, 3), unit
-length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 8): in [0, 1] the reflectance of light
-from straight on (3), 1 where all light is reflected at grazing angles and 0 where it is no more than straight on, GGX's
-alpha along the tangent and across it, both 0 for no gloss, and 1 where masking and shadowing are independent (Smith's
-two G1) and 0 where they go by height (Heitz 2014, eq 99); last, the index of refraction of microfacet_polygon, by which
-reflectance rises between straight on and grazing. Or gloss (k, 10): then 1 where light that facets send to each other is
-not lost (Kulla and Conty 2017), else 0; and the index of refraction of the layer that takes its share before light comes
-to what is diffuse, 0 for none. corner_tangents (m, 3, 3). emission (k, 3), the radiance in
-W/(m^2 sr) that the surface sends to the eye by itself; what it lights, add_polygon does.
-diffuse_roughness (k,), in [0, 1] that of Burley's diffuse surfaces (2012), -1 for Lambert's, which all are without it.
+length; material (m,), indices into albedo; albedo (k, 3) in [0, 1]. gloss (k, 8) or, of layers from the top, of which
+there may be four, (k, n, 8): in [0, 1] the reflectance of light from straight on (3), 1 where all light is reflected at
+grazing angles and 0 where it is no more than straight on, GGX's alpha along the tangent and across it, both 0 for no
+gloss, and 1 where masking and shadowing are independent (Smith's two G1) and 0 where they go by height (Heitz 2014,
+eq 99); last, the index of refraction of microfacet_polygon, by which reflectance rises between straight on and grazing.
+Or 16 numbers: then, also in [0, 1], 1 where light that facets send to each other is not lost (Kulla and Conty 2017);
+what is left to all below, 0 for everything, .5 for what the layer does not reflect, 1 for nothing; how much less than
+Schlick's the reflectance is at the angle whose cosine is 1/7 (3); 1 for Beckmann's facets, 0 for GGX; the share of the
+surface that has this layer; and the turn of the tangent, counterclockwise, over a whole one.
+corner_tangents (m, 3, 3). emission (k, 3), the radiance in W/(m^2 sr) that the surface sends to the eye by
+itself; what it lights, add_polygon does. diffuse (k, 2): 0 for Lambert's surfaces, which all are without it, 1 for
+Burley's (2012), 2 for Oren and Nayar's (1994), 3 with what they send on after further reflections (Portsmouth, Kutz and
+Hill 2025), 4 with that in the colour of one reflection more; and a roughness in [0, 1].
 Raises ValueError for wrong shapes, indices out of range and values that are not finite or not in range.
 
 >>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])
 )")
         .def("add_instances", &add_instances, py::arg("mesh"), py::arg("to_world"), py::arg("albedo"),
-             py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse_roughness") = py::none(),
+             py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse") = py::none(),
              py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
-world. albedo (k, 3), gloss (k, 8 or 10), emission (k, 3) and diffuse_roughness (k,) are those of add_mesh, a row for each
+world. albedo (k, 3), gloss, emission (k, 3) and diffuse (k, 2) are those of add_mesh, a row for each
 material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
 gives by these names. Raises ValueError as add_mesh does, and for too few rows.
 

@@ -6,8 +6,10 @@
 #include "media/tint.hpp"
 #include "module/parts.hpp"
 #include "scene/volume_file.hpp"
+#include "solids/surface_view.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <glm/matrix.hpp>
@@ -22,28 +24,64 @@ using namespace arguments;
 
 constexpr py::ssize_t MOST_CELLS = py::ssize_t{1} << 29; // of one grid: the lanes' indices have 32 bits
 
-// Rows of seven numbers in [0, 1] and an index of refraction; and where they go on, of one more of each.
+// A layer: seven numbers in [0, 1] and an index of refraction; and where they go on, eight more.
+Gloss gloss_of(const float *row, bool whole) {
+    Gloss gloss{{row[0], row[1], row[2]}, row[3], row[7], {row[4], row[5]}, row[6] > 0.0F};
+    if (whole) {
+        gloss.lossless = row[8] > 0.0F;
+        gloss.below = row[9] > 0.5F ? Below::NOTHING : row[9] > 0.0F ? Below::REST : Below::ALL;
+        gloss.dip = {row[10], row[11], row[12]};
+        gloss.beckmann = row[13] > 0.0F;
+        gloss.share = row[14];
+        gloss.turn = row[15];
+    }
+    return gloss;
+}
+
 std::vector<Gloss> glosses(const Floats &array, py::ssize_t count) {
-    constexpr py::ssize_t PLAIN = 8, LAYERED = 10;
-    const py::ssize_t width = array.ndim() == 2 && array.shape(1) == LAYERED ? LAYERED : PLAIN;
-    require_shape(array, {count, width}, "gloss");
+    constexpr py::ssize_t PLAIN = 8, WHOLE = 16, INDEX = 7;
+    const py::ssize_t lobes = array.ndim() == 3 ? array.shape(1) : 1;
+    const py::ssize_t width = array.ndim() > 1 && array.shape(array.ndim() - 1) == WHOLE ? WHOLE : PLAIN;
+    if (array.ndim() == 3) {
+        require_shape(array, {count, -1, width}, "gloss");
+    } else {
+        require_shape(array, {count, width}, "gloss");
+    }
+    if (lobes > MAX_LOBES) {
+        throw py::value_error("gloss has " + text(lobes) + " lobes; there may be " + text(MAX_LOBES));
+    }
     std::vector<Gloss> out;
     for (py::ssize_t first = 0; first < array.size(); first += width) {
         const float *row = array.data() + first;
         for (py::ssize_t k = 0; k < width; ++k) {
-            const bool index = k == PLAIN - 1 || k == LAYERED - 1;
-            if (index ? !is_index(row[k]) : !(row[k] >= 0.0F && row[k] <= 1.0F)) {
+            if (k == INDEX ? !is_index(row[k]) : !(row[k] >= 0.0F && row[k] <= 1.0F)) {
                 throw py::value_error("gloss holds " + text(row[k]) + " at flat index " + text(first + k) + "; " +
-                                      (index ? "an index of refraction must be " + std::string(INDEX_RANGE)
-                                             : "every value but an index of refraction must lie between 0 and 1"));
+                                      (k == INDEX ? "an index of refraction must be " + std::string(INDEX_RANGE)
+                                                  : "every value but an index of refraction must lie between 0 and 1"));
             }
         }
-        Gloss gloss{{row[0], row[1], row[2]}, row[3], row[7], {row[4], row[5]}, row[6] > 0.0F};
-        if (width == LAYERED) {
-            gloss.lossless = row[PLAIN] > 0.0F;
-            gloss.cover = row[LAYERED - 1];
+        out.push_back(gloss_of(row, width == WHOLE));
+        if (out.back().beckmann && (out.back().lossless || out.back().below == Below::REST)) {
+            throw py::value_error("gloss has Beckmann's facets at flat index " + text(first + 13) +
+                                  ", which lose what they send to each other and leave all or nothing below");
         }
-        out.push_back(gloss);
+    }
+    return out;
+}
+
+// Rows of a kind, by its number, and a roughness.
+std::vector<Diffuse> diffuse_of(const Floats &array, py::ssize_t count) {
+    require_shape(array, {count, 2}, "diffuse");
+    std::vector<Diffuse> out;
+    constexpr auto LAST = static_cast<float>(Spreading::GROOVES_DEEPER);
+    for (const float *row = array.data(); row != array.data() + array.size(); row += 2) {
+        if (!(row[0] >= 0.0F && row[0] <= LAST && std::floor(row[0]) == row[0])) {
+            throw py::value_error("diffuse has the kind " + text(row[0]) + ", but kinds go from 0 to " + text(LAST));
+        }
+        if (!(row[1] >= 0.0F && row[1] <= 1.0F)) {
+            throw py::value_error("diffuse has the roughness " + text(row[1]) + ", which must lie between 0 and 1");
+        }
+        out.push_back({static_cast<Spreading>(static_cast<int>(row[0])), row[1]});
     }
     return out;
 }
@@ -143,7 +181,7 @@ CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_giv
 }
 
 Materials checked_materials(const Floats &albedo, const std::optional<Floats> &gloss,
-                            const std::optional<Floats> &emission, const std::optional<Floats> &diffuse_roughness) {
+                            const std::optional<Floats> &emission, const std::optional<Floats> &diffuse) {
     require_shape(albedo, {-1, 3}, "albedo");
     require_range(albedo, 0.0F, 1.0F, "albedo");
     Materials out;
@@ -156,10 +194,8 @@ Materials checked_materials(const Floats &albedo, const std::optional<Floats> &g
         require_range(*emission, 0.0F, 1e30F, "emission");
         vectors(*emission, out.emission);
     }
-    if (diffuse_roughness) {
-        require_shape(*diffuse_roughness, {albedo.shape(0)}, "diffuse_roughness");
-        require_range(*diffuse_roughness, -1.0F, 1.0F, "diffuse_roughness");
-        out.diffuse_roughness.assign(diffuse_roughness->data(), diffuse_roughness->data() + diffuse_roughness->size());
+    if (diffuse) {
+        out.diffuse = diffuse_of(*diffuse, albedo.shape(0));
     }
     return out;
 }

@@ -286,15 +286,11 @@ class Scene:
         albedo: ArrayLike,
         gloss: ArrayLike | None = None,
         emission: ArrayLike | None = None,
-        diffuse_roughness: ArrayLike | None = None,
-        object_index: ArrayLike | None = None,
-        material_index: ArrayLike | None = None,
+        diffuse: ArrayLike | None = None,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
-        world. albedo (k, 3), gloss (k, 8 or 10), emission (k, 3) and diffuse_roughness (k,) are those of
-        add_mesh, a row for each material that the mesh names. object_index (n,), a number for each place, and
-        material_index (k,) are what Frame.passes gives by these names. Raises ValueError as add_mesh does, and
-        for too few rows.
+        world. albedo (k, 3), gloss, emission (k, 3) and diffuse (k, 2) are those of add_mesh, a row for each
+        material that the mesh names. Raises ValueError as add_mesh does, and for too few rows.
         """
     def add_medium(
         self,
@@ -318,7 +314,7 @@ class Scene:
         gloss: ArrayLike | None = None,
         corner_tangents: ArrayLike | None = None,
         emission: ArrayLike | None = None,
-        diffuse_roughness: ArrayLike | None = None,
+        diffuse: ArrayLike | None = None,
     ) -> None:
         """Add triangles that reflect diffusely, and with gloss."""
     def add_point(

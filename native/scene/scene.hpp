@@ -17,11 +17,16 @@ namespace sfumato {
 
 struct Grid; // media/grid.hpp
 
-// A layer that reflects like a mirror broken into facets: GGX (Walter et al. 2007) with Smith's shadowing.
+// What a layer of gloss leaves to all that lies below it: everything; of light, what it does not reflect; or nothing.
+enum class Below : std::uint8_t { ALL, REST, NOTHING };
+
+// A layer that reflects like a mirror broken into facets: GGX (Walter et al. 2007) with Smith's shadowing, or
+// Beckmann's.
 struct Gloss {
     glm::vec3 reflectance{0.0F}; // of light from straight on
     float edge = 0.0F;           // 1: at grazing angles all is reflected; 0: no more than straight on
     // Of refraction, from 1 on: from straight on to the edge, reflectance rises as a dielectric's. 0: Schlick's (1994).
+    // A layer with an index that leaves the rest loses to what is below the reflectance of its strongest colour.
     float index = 0.0F;
     std::array<float, 2> alpha{0, 0}; // slopes along the tangent and across it; the square of an artist's roughness
     // A habit of older renderers: what masks and what shadows a facet know nothing of each other (the product of
@@ -29,9 +34,27 @@ struct Gloss {
     bool apart = false;
     // Whether what facets send to each other leaves them in the end, as far as it is not absorbed.
     bool lossless = false;
-    // The index of refraction of the layer that reflects before light comes to what is diffuse, which gets only what is
-    // left; 0: what is diffuse gets all.
-    float cover = 0.0F;
+    Below below = Below::ALL;
+    // Less than Schlick's reflectance at the angle whose cosine is 1/7, 82 degrees, by so much: a metal's dip before
+    // the edge (Kutz, Hasan and Edmondson, "Novel aspects of the Adobe Standard Material", 2021).
+    glm::vec3 dip{0.0F};
+    bool beckmann = false;
+    float share = 1.0F; // of the surface that has this layer
+    float turn = 0.0F;  // of the tangent, counterclockwise, as a share of a whole turn
+};
+
+// How a surface spreads what it does not mirror.
+enum class Spreading : std::uint8_t {
+    LAMBERT,
+    BURLEY,         // 2012
+    GROOVES,        // Oren and Nayar's (1994), of one reflection
+    GROOVES_AGAIN,  // of all reflections (Portsmouth, Kutz and Hill 2025)
+    GROOVES_DEEPER, // the same, a habit of some years' renderers: from the second reflection on coloured once too often
+};
+
+struct Diffuse {
+    Spreading spreading = Spreading::LAMBERT;
+    float roughness = 0.0F; // in [0, 1]; not Lambert's
 };
 
 // Triangles in a space of their own, which any number of objects may share. Once shared it never changes: its address
@@ -50,8 +73,8 @@ struct Shape {
 // How the triangles of an object reflect, diffusely and with gloss: a row for each of its materials.
 struct Materials {
     std::vector<glm::vec3> albedo;
-    std::vector<float> diffuse_roughness; // Burley's (2012), one for each albedo; or none: Lambert's
-    std::vector<Gloss> gloss;             // one for each albedo; or none
+    std::vector<Diffuse> diffuse;     // one for each albedo; or none: Lambert's
+    std::vector<Gloss> gloss;         // for each albedo equally many layers, from the top; or none
     std::vector<glm::vec3> emission;  // radiance on both sides, one for each albedo; or none. A POLYGON is its light
     std::vector<std::uint32_t> index; // an artist's number for a compositor, one for each albedo; or none: 0
 };

@@ -13,22 +13,67 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
+// One of a surface's layers of gloss; of lanes without it the gain is 0.
+struct Lobe {
+    vec3 reflectance; // seen straight on; so it is at grazing angles, or with `edge` 1 all light
+    vec3 dip;
+    Real edge, alpha_x, alpha_y, apart, index;
+    vec3 gain;
+    Real cosine, sine; // of the turn of its tangent
+    Mask beckmann;
+};
+
 struct Surface {
     Mask hit;
     Real distance; // or the ray's reach
     vec3 normal;   // shading normal, towards the eye
     vec3 geometric_normal;
     vec3 albedo;
-    bool glossy = false; // whether any lane is
-    Plane tangents;      // x the direction of alpha_x; set where glossy
-    vec3 reflectance;    // seen straight on; so it is at grazing angles, or with `edge` 1 all light
-    Real edge, alpha_x, alpha_y, apart, index;
-    vec3 gain{1.0F, 1.0F, 1.0F}; // of the gloss, by what facets send to each other
+    int lobes = 0; // of gloss, of the lane that has most
+    Lobe lobe[MAX_LOBES];
+    Plane tangents; // x the direction of alpha_x, unless turned; set where there is gloss
     vec3 emission{0.0F, 0.0F, 0.0F};
-    Real diffuse_roughness;
+    Real spreading, roughness; // of what is diffuse
+    vec3 again;
     Index material = 0; // where its row of properties begins
     Real object_index = 0.0F;
 };
+
+// The layers of gloss from the top, each dimmed by those above; what they leave of the albedo.
+inline void add_lobes(const SurfaceView &view, Index material, Real to_eye, Surface &surface) {
+    // Curves over the cosine to the eye.
+    constexpr int STEPS = CURVE_POINTS - 1;
+    const Real place = clamp(to_eye, 0.0F, 1.0F) * static_cast<float>(STEPS);
+    const Real step = min(xsimd::floor(place), static_cast<float>(STEPS - 1)), beyond = place - step;
+    const Index at = material + xsimd::to_int(step);
+    Real left = 1.0F;
+    for (int k = 0; k < surface.lobes; ++k) {
+        const float *const first = view.properties + material_row::FIRST_LOBE + k * lobe_row::FLOATS;
+        const auto property = [&](int number) { return gather(first + number, material); };
+        const auto curve = [&](int number) {
+            const Real here = gather(first + number, at), next = gather(first + number + 1, at);
+            return here + (next - here) * beyond;
+        };
+        using namespace lobe_row;
+        Lobe &lobe = surface.lobe[k];
+        lobe.reflectance = {property(REFLECTANCE), property(REFLECTANCE + 1), property(REFLECTANCE + 2)};
+        lobe.dip = {property(DIP), property(DIP + 1), property(DIP + 2)};
+        lobe.edge = property(EDGE);
+        lobe.alpha_x = property(ALPHA_X);
+        lobe.alpha_y = property(ALPHA_Y);
+        lobe.apart = property(APART);
+        lobe.index = property(INDEX);
+        lobe.beckmann = property(BECKMANN) > 0.5F;
+        lobe.cosine = property(TURN_COSINE);
+        lobe.sine = property(TURN_SINE);
+        // A material without this layer has rows of zeros here.
+        const Mask there = lobe.alpha_x > 0.0F;
+        const vec3 gain{curve(GAIN), curve(GAIN + CURVE_POINTS), curve(GAIN + 2 * CURVE_POINTS)};
+        lobe.gain = gain * left;
+        left = left * pick(there, curve(LEFT), 1.0F);
+    }
+    surface.albedo = surface.albedo * left;
+}
 
 inline Surface first_surface(const SurfaceView &view, const text::CameraText<Real, Isa>::Ray &ray, Mask active) {
     Surface surface;
@@ -75,7 +120,7 @@ inline Surface first_surface(const SurfaceView &view, const text::CameraText<Rea
             faces[axis][lane] = corners.face[axis];
             tangents[axis][lane] = corners.tangent[axis];
         }
-        materials[lane] = MATERIAL_FLOATS * corners.material;
+        materials[lane] = material_row::FLOATS * corners.material;
         objects[lane] = hit ? view.places[place].object_index : 0.0F;
     }
     const auto loaded = [](const float(&v)[3][LANES]) {
@@ -93,29 +138,19 @@ inline Surface first_surface(const SurfaceView &view, const text::CameraText<Rea
     surface.material = material;
     surface.object_index = Real::load_aligned(objects);
     const auto property = [&](int number) { return gather(view.properties + number, material); };
-    surface.albedo = {property(0), property(1), property(2)};
-    surface.reflectance = {property(3), property(4), property(5)};
-    surface.edge = property(6);
-    surface.alpha_x = property(7);
-    surface.alpha_y = property(8);
-    surface.apart = property(9);
-    surface.index = property(10);
-    surface.emission = {property(11), property(12), property(13)};
-    surface.diffuse_roughness = property(14);
-    surface.glossy = xsimd::any(surface.alpha_x > 0.0F);
-    if (surface.glossy) {
+    const auto colour = [&](int number) { return vec3(property(number), property(number + 1), property(number + 2)); };
+    surface.albedo = colour(material_row::ALBEDO);
+    surface.emission = colour(material_row::EMISSION);
+    surface.spreading = property(material_row::SPREADING);
+    surface.roughness = property(material_row::ROUGHNESS);
+    surface.again = colour(material_row::AGAIN);
+    const Real lobes = property(material_row::LOBES);
+    while (xsimd::any(lobes > static_cast<float>(surface.lobes))) {
+        ++surface.lobes;
+    }
+    if (surface.lobes > 0) {
+        add_lobes(view, material, -dot(surface.normal, ray.direction), surface);
         surface.tangents = plane_across(surface.normal);
-        // Curves over the cosine to the eye.
-        constexpr int STEPS = CURVE_POINTS - 1;
-        const Real place = clamp(-dot(surface.normal, ray.direction), 0.0F, 1.0F) * static_cast<float>(STEPS);
-        const Real step = min(xsimd::floor(place), static_cast<float>(STEPS - 1)), beyond = place - step;
-        const Index at = material + xsimd::to_int(step);
-        const auto curve = [&](int first) {
-            const Real here = gather(view.properties + first, at), next = gather(view.properties + first + 1, at);
-            return here + (next - here) * beyond;
-        };
-        surface.albedo = surface.albedo * curve(18);
-        surface.gain = vec3(property(15), property(16), property(17)) * curve(18 + CURVE_POINTS) + surface.gain;
         if (view.tangents) {
             const vec3 tangent = loaded(tangents);
             const vec3 along = tangent - surface.normal * dot(tangent, surface.normal);

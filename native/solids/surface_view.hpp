@@ -8,7 +8,21 @@
 
 namespace sfumato {
 
-constexpr int MATERIAL_FLOATS = 19 + 2 * CURVE_POINTS;
+constexpr int MAX_LOBES = 4; // of gloss
+
+// Of a layer of gloss as lanes gather it: numbers, and of GlossCurves what it leaves, and its gain in each colour.
+namespace lobe_row {
+enum { REFLECTANCE = 0, DIP = 3, EDGE = 6, ALPHA_X, ALPHA_Y, APART, INDEX, BECKMANN, TURN_COSINE, TURN_SINE, LEFT };
+constexpr int GAIN = LEFT + CURVE_POINTS;
+constexpr int FLOATS = GAIN + 3 * CURVE_POINTS;
+} // namespace lobe_row
+
+// Of a material: what is diffuse, its number for a compositor, and its layers of gloss from the top, of which only so
+// many are there.
+namespace material_row {
+enum { ALBEDO = 0, EMISSION = 3, AGAIN = 6, SPREADING = 9, ROUGHNESS, NUMBER, LOBES, FIRST_LOBE };
+constexpr int FLOATS = FIRST_LOBE + MAX_LOBES * lobe_row::FLOATS;
+} // namespace material_row
 
 // Views own nothing. One place of a shape: its arrays, as scene.hpp has them, null where it has none, and what takes
 // its normals and tangents to the world, column by column.
@@ -29,10 +43,8 @@ struct SurfaceView {
     RTCScene scene = nullptr;
     bool instanced = false;            // whether any place is an instance to Embree
     const PlaceView *places = nullptr; // by Embree's number of the instance, or else of the geometry
-    // MATERIAL_FLOATS a material: albedo, reflectance, edge, alpha_x, alpha_y, apart, index, emission,
-    // diffuse roughness (negative for none); of GlossCurves again, kept, lost; and its index
-    const float *properties = nullptr;
-    bool tangents = false; // whether any shape has tangents
+    const float *properties = nullptr; // a material_row each
+    bool tangents = false;             // whether any shape has tangents
 };
 
 } // namespace sfumato

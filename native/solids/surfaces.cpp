@@ -2,8 +2,11 @@
 #include "solids/surfaces.hpp"
 
 #include "scene/scene.hpp"
+#include "text/surfaces_text.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -67,21 +70,58 @@ PlaceView view_of(const Shape &shape, const glm::mat4 &to_world, std::int32_t fi
     return view;
 }
 
+void put(std::span<float> row, int at, const glm::vec3 &colour) {
+    std::copy_n(&colour.x, 3, row.begin() + at);
+}
+
+void put_lobe(std::span<float> row, const Gloss &gloss, const GlossCurves &curves) {
+    using namespace lobe_row;
+    put(row, REFLECTANCE, gloss.reflectance);
+    put(row, DIP, gloss.dip);
+    row[EDGE] = gloss.edge;
+    row[ALPHA_X] = gloss.alpha[0];
+    row[ALPHA_Y] = gloss.alpha[1];
+    row[APART] = gloss.apart ? 1.0F : 0.0F;
+    row[INDEX] = gloss.index;
+    row[BECKMANN] = gloss.beckmann ? 1.0F : 0.0F;
+    row[TURN_COSINE] = std::cos(2.0F * std::numbers::pi_v<float> * gloss.turn);
+    row[TURN_SINE] = std::sin(2.0F * std::numbers::pi_v<float> * gloss.turn);
+    std::ranges::copy(curves.left, row.begin() + LEFT);
+    for (int c = 0; c < 3; ++c) {
+        std::ranges::copy(curves.gain[c], row.begin() + GAIN + c * CURVE_POINTS);
+    }
+}
+
+// What grooves send on after the first reflection, as grooves_again() has it.
+glm::vec3 again_of(const Diffuse &diffuse, const glm::vec3 &albedo) {
+    if (diffuse.spreading != Spreading::GROOVES_AGAIN && diffuse.spreading != Spreading::GROOVES_DEEPER) {
+        return glm::vec3(0.0F);
+    }
+    glm::vec3 again;
+    for (int c = 0; c < 3; ++c) {
+        again[c] = text::SurfacesText<float>().grooves_again(albedo[c], diffuse.roughness);
+    }
+    return diffuse.spreading == Spreading::GROOVES_DEEPER ? again * albedo : again;
+}
+
 void append_rows(const Materials &materials, Solids &solids, std::vector<float> &properties) {
-    for (std::size_t i = 0; i < materials.albedo.size(); ++i) {
-        const glm::vec3 &albedo = materials.albedo[i];
-        const Gloss gloss = i < materials.gloss.size() ? materials.gloss[i] : Gloss{};
-        const glm::vec3 &f0 = gloss.reflectance;
-        const float rough = i < materials.diffuse_roughness.size() ? materials.diffuse_roughness[i] : -1.0F;
-        const glm::vec3 emission = i < materials.emission.size() ? materials.emission[i] : glm::vec3(0.0F);
-        properties.insert(properties.end(),
-                          {albedo.x, albedo.y, albedo.z, f0.x, f0.y, f0.z, gloss.edge, gloss.alpha[0], gloss.alpha[1],
-                           gloss.apart ? 1.0F : 0.0F, gloss.index, emission.x, emission.y, emission.z, rough});
-        const GlossCurves &curves = *solids.curves(gloss);
-        properties.insert(properties.end(), &curves.again.x, &curves.again.x + 3);
-        properties.insert(properties.end(), curves.kept.begin(), curves.kept.end());
-        properties.insert(properties.end(), curves.lost.begin(), curves.lost.end());
-        properties.push_back(i < materials.index.size() ? static_cast<float>(materials.index[i]) : 0.0F);
+    using namespace material_row;
+    const std::size_t count = materials.albedo.size(), lobes = count == 0 ? 0 : materials.gloss.size() / count;
+    for (std::size_t i = 0; i < count; ++i) {
+        properties.resize(properties.size() + FLOATS);
+        const std::span<float> row = std::span(properties).last(FLOATS);
+        const Diffuse diffuse = i < materials.diffuse.size() ? materials.diffuse[i] : Diffuse{};
+        put(row, ALBEDO, materials.albedo[i]);
+        put(row, EMISSION, i < materials.emission.size() ? materials.emission[i] : glm::vec3(0.0F));
+        put(row, AGAIN, again_of(diffuse, materials.albedo[i]));
+        row[SPREADING] = static_cast<float>(diffuse.spreading);
+        row[ROUGHNESS] = diffuse.roughness;
+        row[NUMBER] = i < materials.index.size() ? static_cast<float>(materials.index[i]) : 0.0F;
+        for (std::size_t k = 0; k < lobes; ++k) {
+            const Gloss &gloss = materials.gloss[i * lobes + k];
+            put_lobe(row.subspan(FIRST_LOBE + k * lobe_row::FLOATS), gloss, *solids.curves(gloss));
+            row[LOBES] = gloss.alpha[0] > 0.0F ? static_cast<float>(k + 1) : row[LOBES];
+        }
     }
 }
 
@@ -198,7 +238,8 @@ void Solids::attach(const Instances &mesh, Places &places, unsigned &number) {
 std::shared_ptr<const GlossCurves> Solids::curves(const Gloss &gloss) {
     Key key;
     key.numbers(std::span(&gloss.reflectance.x, 3)).numbers(std::span<const float>(gloss.alpha));
-    key.number(gloss.edge, gloss.index, gloss.cover, gloss.lossless);
+    key.numbers(std::span(&gloss.dip.x, 3));
+    key.number(gloss.edge, gloss.index, gloss.share, gloss.below, gloss.lossless);
     return curves_.get(key, [&] { return gloss_curves(gloss); });
 }
 
@@ -216,7 +257,7 @@ Surfaces::Surfaces(std::span<const Instances> meshes, Solids &solids) : places_(
         if (!stands(mesh)) {
             continue;
         }
-        const auto first_material = static_cast<std::int32_t>(properties_.size() / MATERIAL_FLOATS);
+        const auto first_material = static_cast<std::int32_t>(properties_.size() / material_row::FLOATS);
         append_rows(mesh.materials, solids, properties_);
         tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
         for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {

@@ -104,7 +104,11 @@ float normal_density(Microfacets m, vec3 h)
 // How far Fresnel's reflectance has risen from straight on, 0, to grazing, 1. Where `index` is 1 or more: of a dielectric
 // of that index of refraction, unpolarised (Fresnel 1823; in the form of Walter et al. 2007, eq 22, their g - c taken
 // as (index^2 - 1) / (g + c), which does not cancel at an index near 1, and over one denominator). Where index is 0:
-// (1 - cosine)^5 (Schlick 1994).
+// (1 - cosine)^5 (Schlick 1994). Where it is DIP_BEFORE_EDGE: no rise but the dip before it of metals that do not rise all
+// the way (Kutz, Hasan and Edmondson, "Novel aspects of the Adobe Standard Material", 2021), cosine (1 - cosine)^6, over
+// what it is at its deepest, where the cosine is 1/7.
+#define DIP_BEFORE_EDGE (-1.0f)
+
 float fresnel_share(float cosine, float index)
 {
   float c = clamp(cosine, 0.0f, 1.0f), miss = 1.0f - c, miss2 = miss * miss, share = miss2 * miss2 * miss;
@@ -115,6 +119,9 @@ float fresnel_share(float cosine, float index)
     // What depends on the index alone is the same at every node.
     float straight_on = (n - 1.0f) / (n + 1.0f), rise = (n + 1.0f) * (n + 1.0f) / (4.0f * n);
     share = pick(index > 0.5f, clamp((reflectance - straight_on * straight_on) * rise, 0.0f, 1.0f), share);
+  }
+  if (any_lane(index < -0.5f)) {
+    share = pick(index < -0.5f, 17.6513846f * c * miss * share, share); // 7 (7/6)^6
   }
   return share;
 }

@@ -50,6 +50,18 @@ TEST(FresnelShare, RisesAllTheWayToGrazing) {
     }
 }
 
+TEST(FresnelShare, DipsBeforeTheEdge) {
+    // Kutz, Hasan and Edmondson (2021): nothing straight on and at the edge, and deepest where the cosine is 1/7.
+    const auto dip = [](float cosine) { return MicrofacetsText().fresnel_share(cosine, DIP_BEFORE_EDGE); };
+    EXPECT_EQ(dip(1.0F), 0.0F);
+    EXPECT_EQ(dip(0.0F), 0.0F);
+    EXPECT_NEAR(dip(1.0F / 7.0F), 1.0F, 1e-6F);
+    for (int step = 0; step <= STEPS; ++step) {
+        const double cosine = cosine_at(step);
+        ASSERT_NEAR(dip(cosine_at(step)), 7.0 * cosine * std::pow((1.0 - cosine) * 7.0 / 6.0, 6.0), 2e-6) << cosine;
+    }
+}
+
 TEST(FresnelShare, BrewstersAngleLeavesOnePolarisation) {
     // Where tan(angle) is the index, nothing is reflected of what is polarised in the plane of incidence, and of the
     // rest

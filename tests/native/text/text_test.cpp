@@ -34,7 +34,7 @@ SFUMATO_ALL_MEMBERS(text_test::Real, text_test::Isa)
 namespace sfumato {
 namespace {
 
-constexpr int ANSWERS = 10, LANES = text_test::Isa::LANES;
+constexpr int ANSWERS = 12, LANES = text_test::Isa::LANES;
 
 // One answer from every room; the numbers are in [0, 1].
 template <class Real, class Isa>
@@ -56,6 +56,9 @@ std::array<Real, ANSWERS> answers(const std::array<Real, 6> &n) {
             text::LightsText<Real, Isa>().octahedral(view).y,
             text::MediaText<Real, Isa>().henyey_greenstein(n[4], n[5] * 0.8F),
             text::SurfacesText<Real, Isa>().diffuse_rim(n[0], n[1], n[2], n[3]),
+            text::SurfacesText<Real, Isa>().grooves(n[0], n[1], n[2], n[3]),
+            text::SurfacesText<Real, Isa>().grooves_albedo(n[0], n[3]) *
+                text::SurfacesText<Real, Isa>().grooves_again(n[1], n[3]),
             integrals.diffuse_quad(zenith, middle - x - y, middle - x + y, middle + x + y, middle + x - y),
             integrals.diffuse_ellipse(zenith, middle, x, y),
             gloss.plain,
