@@ -128,10 +128,12 @@ def test_grooves_see_all_of_a_lamp() -> None:
         size = 2.0 / cuts
         for x in (np.arange(cuts) + 0.5) * size - 1.0:
             for y in (np.arange(cuts) + 0.5) * size - 1.0:
-                scene.add_area((x, y, 1.0), (0.5 * size, 0, 0), (0, -0.5 * size, 0), [1.0] * 3)
+                scene.add_area((x, y, 1.0), (0.5 * size, 0, 0), (0, 0.5 * size, 0), [1.0] * 3)
         return from_eye(scene, np.array([0.6, 0.0, 0.8]))
 
-    assert radiance(1) == pytest.approx(radiance(7), rel=0.005)
+    whole = radiance(1)
+    assert whole > 0.1
+    assert whole == pytest.approx(radiance(7), rel=0.005)
 
 
 @pytest.mark.parametrize(

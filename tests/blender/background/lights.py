@@ -22,17 +22,18 @@ LAMPS = [(shape, spread) for shape in SHAPES for spread in (180.0, 60.0)] + [("P
 AIM = Vector((0.0, -1.0, 0.0))  # where the camera sees the lamp reflected
 
 
-def floor(roughness: float | None) -> None:
-    """A floor of GGX, or without a roughness a diffuse one."""
+def floor(roughness: float | None, kind: str) -> None:
+    """A floor of such facets or, without any, of a diffuse kind; without a roughness Lambert's."""
     bpy.ops.mesh.primitive_plane_add(size=40.0)
     material = bpy.data.materials.new("Floor")
     material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
-    shader = tree.nodes.new("ShaderNodeBsdfDiffuse" if roughness is None else "ShaderNodeBsdfGlossy")
+    shader = tree.nodes.new("ShaderNodeBsdfGlossy" if kind and roughness is not None else "ShaderNodeBsdfDiffuse")
     if roughness is not None:
-        shader.distribution = "GGX"
         shader.inputs["Roughness"].default_value = roughness
+        if kind:
+            shader.distribution = kind
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
     bpy.context.object.data.materials.append(material)
@@ -61,11 +62,11 @@ def add(data: bpy.types.ID, location: tuple[float, float, float]) -> bpy.types.O
     return made
 
 
-def arrange(kind: str, spread: float, roughness: float | None, lens: float) -> bpy.types.Object:
+def arrange(kind: str, spread: float, roughness: float | None, lens: float, facets: str = "GGX") -> bpy.types.Object:
     """A scene with nothing but a floor and a lamp, which is given back."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     harness.enable()
-    floor(roughness)
+    floor(roughness, facets)
     scene = bpy.context.scene
     camera = bpy.data.cameras.new("Camera")
     camera.lens = lens
@@ -90,10 +91,10 @@ def difference(samples: int) -> float:
     return float(np.sqrt(((ours - theirs) ** 2).mean()) / theirs.mean())
 
 
-def require(roughness: float | None, lens: float, samples: int, most: float) -> None:
+def require(roughness: float | None, lens: float, samples: int, most: float, facets: str = "GGX") -> None:
     found = {}
     for kind, spread in LAMPS:
-        arrange(kind, spread, roughness, lens)
+        arrange(kind, spread, roughness, lens, facets)
         found[f"{kind} {spread:g}"] = difference(samples)
     print({name: f"{100.0 * error:.2f} %" for name, error in found.items()})
     assert max(found.values()) <= most, found
@@ -118,6 +119,18 @@ def test_roughness_0_6() -> None:
 
 def test_roughness_1() -> None:
     require(1.0, 50.0, 300, 0.015)
+
+
+def test_smooth_beckmann() -> None:
+    require(0.3, 130.0, 100, 0.03, "BECKMANN")
+
+
+def test_rough_beckmann() -> None:
+    require(0.8, 50.0, 100, 0.02, "BECKMANN")
+
+
+def test_rough_diffuse_floor() -> None:
+    require(1.0, 50.0, 100, 0.02, "")
 
 
 def test_scaled_lamp() -> None:
