@@ -64,6 +64,20 @@ CASES: dict[str, Case] = {
     "coat, aside": (PRINCIPLED, {"Coat Weight": 1.0, "Base Color": COPPER}, 40.0, -60.0),
     "index of 1": (PRINCIPLED, {"IOR": 1.0, "Roughness": 0.4}, 40.0, 40.0),
     "index of 3, little level": (PRINCIPLED, {"IOR": 3.0, "Specular IOR Level": 0.2, "Roughness": 0.4}, 60.0, 60.0),
+    "tinted specular, the layer below": (
+        PRINCIPLED,
+        {"Base Color": GREY, "Specular Tint": TEAL, "IOR": 2.0},
+        40.0,
+        -40.0,
+    ),
+    "tinted metal, grazing": (PRINCIPLED, {**TINTED, "Roughness": 0.3}, 80.0, 80.0),
+    "tinted rough metal": (PRINCIPLED, {**TINTED, "Roughness": 1.0}, 75.0, -40.0),
+    "metal of single GGX": (PRINCIPLED, {**METAL, "distribution": "GGX", "Roughness": 1.0}, 60.0, -40.0),
+    "brushed, turned": (PRINCIPLED, {**METAL, "Anisotropic": 0.8, "Anisotropic Rotation": 0.2}, 40.0, 20.0),
+    "brushed Glossy": (BRUSHED, {**GGX, "Anisotropy": 0.5}, 40.0, 20.0),
+    "Glossy, brushed across": (BRUSHED, {**GGX, "Anisotropy": -0.5}, 40.0, 20.0),
+    "Glossy, turned": (BRUSHED, {**BECKMANN, "Anisotropy": 0.5, "Rotation": 0.1}, 40.0, 20.0),
+    "coat, mirrored": (PRINCIPLED, {"Coat Weight": 1.0, "Coat Roughness": 0.3}, 40.0, 40.0),
     "half a coat over metal": (PRINCIPLED, {**METAL, "Coat Weight": 0.5, "Coat IOR": 2.0}, 40.0, 20.0),
 }
 # What is named with its value, and what is shown instead, where a Blender has it.
@@ -71,7 +85,11 @@ NAMED: dict[str, tuple[str, dict[str, object], str]] = {
     "Ashikhmin": (GLOSSY, {"distribution": "ASHIKHMIN_SHIRLEY"}, "Ashikhmin-Shirley, is shown as GGX"),
     "index below 1": (PRINCIPLED, {"IOR": 0.8, "Specular IOR Level": 0.5}, "its IOR of 0.8 is shown as 1.25"),
     "a mirror": (PRINCIPLED, {"Roughness": 0.04}, "its Roughness of 0.04 is shown as 0.1"),
-    "tinted coat": (PRINCIPLED, {"Coat Weight": 1.0, "Coat Tint": TEAL}, "Coat Tint of (0.2, 0.6, 0.7)"),
+    "tinted coat": (
+        PRINCIPLED,
+        {"Coat Weight": 1.0, "Coat Roughness": 0.3, "Coat Tint": TEAL},
+        "Coat Tint of (0.2, 0.6, 0.7)",
+    ),
 }
 
 
