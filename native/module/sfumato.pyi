@@ -287,10 +287,13 @@ class Scene:
         gloss: ArrayLike | None = None,
         emission: ArrayLike | None = None,
         diffuse: ArrayLike | None = None,
+        object_index: ArrayLike | None = None,
+        material_index: ArrayLike | None = None,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
         world. albedo (k, 3), gloss, emission (k, 3) and diffuse (k, 2) are those of add_mesh, a row for each
-        material that the mesh names. Raises ValueError as add_mesh does, and for too few rows.
+        material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what
+        Frame.passes gives by these names. Raises ValueError as add_mesh does, and for too few rows.
         """
     def add_medium(
         self,
