@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
-from . import materials
+from . import materials, omissions
 
 
 def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list[str]) -> bool:
@@ -28,6 +28,7 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
         notices.append(f"{thing.name}: its Shadow is off, but it casts one")
     if compat.is_linked(thing):
         notices.append(f"{thing.name}: its light linking is not followed; it lights everything")
+    omissions.of("object", thing, thing.name, notices, "LIGHT")
     forwards = -matrix[:3, 2]
     if light.type == "SUN":
         irradiance = colour * (compat.size_factor(light) * compat.sun_share(light))

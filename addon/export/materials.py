@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
+from . import omissions
 
 
 def active_output(material: Any) -> Any | None:
@@ -100,8 +101,7 @@ _WHITE = Smoke(np.ones(3), np.zeros(3))
 
 def _principled_smoke(node: Any, name: str, notices: list[str]) -> Smoke:
     attribute = value_of(node, "Density Attribute", name, notices)
-    if value_of(node, "Emission Strength", name, []) > 0.0 or value_of(node, "Blackbody Intensity", name, []) > 0.0:
-        notices.append(f"{name}: its emission is not shown yet")
+    omissions.of_node(node, name, notices)
     density = max(0.0, value_of(node, "Density", name, notices))
     colour = np.maximum(value_of(node, "Color", name, notices), 0.0)
     absorbed = np.maximum(value_of(node, "Absorption Color", name, notices), 0.0)
@@ -125,7 +125,7 @@ def background(scene: Any, notices: list[str]) -> NDArray[np.float64]:
         return np.array(world.color)
     output = output_in(world.node_tree, "OUTPUT_WORLD")
     shader = None if output is None else linked_node(output, "Surface")
-    if shader is None:
+    if shader is None or (shader.mute and shader.type == "BACKGROUND"):
         return np.zeros(3)
     if shader.type != "BACKGROUND":
         notices.append(f"World: the shader {shader.type.lower()} is not shown")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import lights, materials, meshes, smoke, surfaces
+from . import lights, materials, meshes, omissions, smoke, surfaces
 from .parts import Parts
 
 
@@ -89,12 +89,17 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Exp
                 continue
             medium = smoke.medium_of(thing, matrices[number], depsgraph, parts, out.notices)
             if medium is not None:
+                omissions.of_smoke(thing, out.notices)
                 media.append((thing.name, medium))
             elif thing.type in meshes.SURFACE_TYPES:
                 groups[key] = group = _group_of(thing, depsgraph, parts, out.notices)
                 if group is not None:
                     group.places.append(number)
                     group.object_indices.append(thing.pass_index)
+                    if not omissions.lies_over(space):
+                        omissions.of_surface(thing, group.triangles is not None, depsgraph, out.notices)
+            elif not omissions.lies_over(space):
+                omissions.of_type(thing, out.notices)
         except ValueError as error:
             groups[key] = None
             out.notices.append(f"{thing.name}: {error}")
@@ -108,6 +113,8 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Exp
     if lit > MOST_LIGHTS:
         out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
     add_media(out, media)
+    omissions.of_frame(depsgraph, space, out.notices)
+    omissions.of_objects(depsgraph, out.notices)
     if not depsgraph.scene.render.film_transparent:
         out.scene.set_background(materials.background(depsgraph.scene, out.notices))
     parts.end_export()
@@ -135,7 +142,8 @@ def _group_key(thing: Any) -> tuple[int, int]:
     has modifiers or materials of its own stands alone."""
     data = thing.data
     data_address = 0 if data is None else data.as_pointer()
-    if thing.type != "MESH" or thing.modifiers or any(slot.link == "OBJECT" for slot in thing.material_slots):
+    slots = thing.material_slots
+    if thing.type != "MESH" or thing.modifiers or (slots and any(slot.link == "OBJECT" for slot in slots)):
         return thing.as_pointer(), data_address
     return 0, data_address
 

@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
+from . import omissions
 from .materials import active_output, linked_node, value_of
 
-# What a Principled BSDF may be besides what is shown; sockets have other names from Blender 4.0 on.
-BEYOND = ("Transmission", "Transmission Weight", "Subsurface", "Subsurface Weight", "Sheen", "Sheen Weight", "Clearcoat",
-          "Thin Film Thickness")  # fmt: skip
 PLAIN_GREY = (0.8, 0.8, 0.8)
 MOST_LAYERS = 4
 LEAVES_REST, LEAVES_NOTHING = 0.5, 1.0  # to what is below a layer of gloss
@@ -130,9 +128,6 @@ def reflectance_of(index: float) -> float:
 
 def principled(shader: Any, reader: Reader) -> Surface:
     colour = np.clip(reader.colour(shader, "Base Color"), 0.0, 1.0)
-    for name in BEYOND:
-        if (beyond := Reader(reader.owner, []).number(shader, name, high=math.inf)) > 0.0:
-            reader.say(f"its {name} of {beyond:.3g} is not shown yet")
     glow = reader.colour(shader, compat.emission_socket(shader))
     emission = glow * reader.number(shader, "Emission Strength", high=math.inf)
     alpha, anisotropy = reader.alpha(shader, "Roughness"), reader.number(shader, "Anisotropic")
@@ -255,6 +250,9 @@ def _behind(shader: Any, socket: int, reader: Reader, depth: int) -> Surface | N
 
 def of_shader(shader: Any, reader: Reader, depth: int = 0) -> Surface | None:
     """What a shader node reflects; None where that is beyond us."""
+    if shader.mute and not any(socket.type == "SHADER" for socket in shader.inputs):
+        return Surface()
+    omissions.of_node(shader, reader.owner, reader.notices)
     if shader.type == "BSDF_PRINCIPLED":
         return principled(shader, reader)
     if shader.type == "EMISSION":
@@ -277,6 +275,7 @@ def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
     output = active_output(material)
     if output is None:
         return Surface(np.array(material.diffuse_color[:3]))
+    omissions.of_node(output, owner, notices)
     shader = linked_node(output, "Surface")
     if shader is None:
         return None if output.inputs["Volume"].is_linked else Surface()

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shader nodes: of those that we follow every input and property, the others by what becomes of them."""
+
+from __future__ import annotations
+
+from . import Node, Socket
+
+_WEIGHT = "hidden, and read by nobody"
+_NORMAL = Socket("Normal", (), "the surface is as its mesh is")
+
+FOLLOWED = (
+    Node(
+        "ShaderNodeBsdfPrincipled",
+        ("Base Color", "Metallic", "Roughness", "Diffuse Roughness", "Anisotropic", "Anisotropic Rotation", "Specular",
+         "IOR", "Specular IOR Level", "Specular Tint", "Coat Weight", "Coat Roughness", "Coat IOR", "Emission",
+         "Emission Color", "Emission Strength", "distribution"),
+        (
+            Socket("Alpha", (1.0,), "it is opaque"),
+            _NORMAL,
+            Socket("Coat Normal", (), "the coat is as the surface is", unless=("Coat Weight", 0.0)),
+            Socket("Subsurface", (0.0,), "it is diffuse"),
+            Socket("Subsurface Weight", (0.0,), "it is diffuse"),
+            Socket("Sheen", (0.0,), "it has none"),
+            Socket("Sheen Weight", (0.0,), "it has none"),
+            Socket("Clearcoat", (0.0,), "it has none"),
+            Socket("Transmission", (0.0,), "it is opaque"),
+            Socket("Transmission Weight", (0.0,), "it is opaque"),
+            Socket("Thin Film Thickness", (0.0,), "there is no film"),
+            Socket("Thin Wall", (False,), "it is solid"),
+            Socket("Tangent", (), "it runs around the object's Z axis", unless=("Anisotropic", 0.0)),
+        ),
+        elsewhere=("Coat Tint",),
+        idle={
+            "details of Subsurface, which is named as a whole": (
+                "Subsurface Radius", "Subsurface Color", "Subsurface IOR", "Subsurface Anisotropy", "Subsurface Scale",
+                "subsurface_method"),
+            "details of Sheen, which is named as a whole": ("Sheen Tint", "Sheen Roughness"),
+            "details of Clearcoat, which is named as a whole": (
+                "Clearcoat Roughness", "Clearcoat Normal"),
+            "details of Transmission, which is named as a whole": (
+                "Transmission Roughness", "Transmission Dispersion Scale", "Transmission Dispersion Abbe Number"),
+            "details of Thin Film, which is named as a whole": ("Thin Film IOR",),
+            _WEIGHT: ("Weight",),
+        },
+    ),
+    Node("ShaderNodeBsdfDiffuse", ("Color", "Roughness"), (_NORMAL,), idle={_WEIGHT: ("Weight",)}),
+    Node("ShaderNodeBsdfGlossy", ("Color", "Roughness", "distribution"), (_NORMAL,), idle={_WEIGHT: ("Weight",)}),
+    Node(
+        "ShaderNodeBsdfAnisotropic",
+        ("Color", "Roughness", "Anisotropy", "Rotation", "distribution"),
+        (_NORMAL, Socket("Tangent", (), "it runs around the object's Z axis", unless=("Anisotropy", 0.0))),
+        idle={_WEIGHT: ("Weight",)},
+    ),
+    Node("ShaderNodeMixShader", ("Shader",), elsewhere=("Fac", "Factor")),
+    Node("ShaderNodeAddShader", ("Shader",)),
+    Node("ShaderNodeEmission", ("Color", "Strength"), idle={_WEIGHT: ("Weight",)}),
+    Node("ShaderNodeBackground", ("Color", "Strength"), idle={_WEIGHT: ("Weight",)}),
+    Node(
+        "ShaderNodeVolumePrincipled",
+        ("Color", "Color Attribute", "Density", "Density Attribute", "Anisotropy", "Absorption Color"),
+        (
+            Socket("Emission Strength", (0.0,), "it does not glow"),
+            Socket("Blackbody Intensity", (0.0,), "it does not glow"),
+        ),
+        idle={
+            "details of its glow, which is named as a whole": (
+                "Emission Color", "Blackbody Tint", "Temperature", "Temperature Attribute"),
+            _WEIGHT: ("Weight",),
+        },
+    ),
+    Node(
+        "ShaderNodeOutputMaterial",
+        ("Surface", "is_active_output", "target"),
+        (
+            Socket("Displacement", (), "the surface is as its mesh is"),
+            Socket("Volume", (), "only domains and Volume objects are filled"),
+        ),
+        idle={"EEVEE alone reads it": ("Thickness",)},
+    ),
+    Node(
+        "ShaderNodeOutputWorld",
+        ("Surface", "is_active_output", "target"),
+        (Socket("Volume", (), "the air is clear"),),
+    ),
+    Node("ShaderNodeOutputLight", ("Surface", "is_active_output", "target")),
+    Node("ShaderNodeRGB", ("Color",)),
+    Node("ShaderNodeValue", ("Value",)),
+)  # fmt: skip
+
+# What becomes of the others, and their names without "ShaderNode".
+SURFACES = (
+    "BsdfGlass BsdfHair BsdfHairPrincipled BsdfMetallic BsdfRayPortal BsdfRefraction BsdfSheen BsdfToon "
+    "BsdfTranslucent BsdfTransparent BsdfVelvet Group Holdout Script SubsurfaceScattering"
+)
+VOLUMES = "VolumeAbsorption VolumeCoefficients VolumeScatter"
+VALUES = (
+    "AmbientOcclusion Attribute Bevel Blackbody BrightContrast Bump CameraData Clamp CombineColor CombineHSV CombineRGB "
+    "CombineXYZ Displacement FloatCurve Fresnel Gamma HairInfo HueSaturation Invert LayerWeight LightFalloff LightPath "
+    "MapRange Mapping Math Mix MixRGB NewGeometry Normal NormalMap ObjectInfo ParticleInfo PointInfo RGBCurve RGBToBW "
+    "RadialTiling Raycast SeparateColor SeparateHSV SeparateRGB SeparateXYZ Squeeze Tangent TexBrick TexChecker TexCoord "
+    "TexEnvironment TexGabor TexGradient TexIES TexImage TexMagic TexMusgrave TexNoise TexPointDensity TexSky TexVoronoi "
+    "TexWave TexWhiteNoise UVMap ValToRGB VectorCurve VectorDisplacement VectorMath VectorRotate VectorTransform "
+    "VertexColor VolumeInfo Wavelength Wireframe"
+)
+NOT_IN_CYCLES = (
+    "EeveeSpecular LightAccumulation LightEvaluation LightInfo LightIterInternalInput LightIterInternalOutput "
+    "OutputLineStyle ShaderToRGB ShadowRaycast UVAlongStroke"
+)
+PASSES = "OutputAOV"
+OTHERS = {
+    "surfaces, named, and shown as diffuse in the material's viewport color": SURFACES,
+    "volumes, named, and shown as white smoke of density 1": VOLUMES,
+    "values and colors: the link from them is named, and the input's own value used": VALUES,
+    "AOVs, which the view layer names": PASSES,
+    "not there in Cycles": NOT_IN_CYCLES,
+}

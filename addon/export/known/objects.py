@@ -1,0 +1,360 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects, and what they are of: lamps, cameras, volumes, meshes, curves; and worlds and materials without their nodes."""
+
+from __future__ import annotations
+
+from . import Named, Struct
+
+SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+SHOWN = (*SURFACES, "VOLUME")
+# Objects that Cycles renders and we do not, by their types, and what is said of them.
+_GREASE_PENCIL = "Grease Pencil is laid over the picture by Blender, whatever is before it"
+UNSHOWN = {
+    "CURVES": "hair curves are not shown",
+    "POINTCLOUD": "point clouds are not shown",
+    "GPENCIL": _GREASE_PENCIL,
+    "GREASEPENCIL": _GREASE_PENCIL,
+}
+
+_INTERFACE = "Blender's interface"
+_VIEWPORT = "how Blender's own viewport draws it"
+_EEVEE = "EEVEE alone reads it"
+_SAMPLING = "how fast Cycles' noise goes; our pictures have none"
+_INDIRECT = "light that surfaces pass on, of which we show none"
+_MOTION = "details of motion blur, which the scene names as a whole"
+_CAUSTICS = "light through glass, which materials name"
+_PANORAMA = "details of panoramic cameras, which are named as a whole"
+_TEXTURES = "textures, of which we show none"
+_MODELLING = "tools of modelling and painting"
+_WORLD = "light of the world, which is named as a whole"
+
+OBJECT = Struct(
+    "Object",
+    "object",
+    followed={
+        "where it is: place, rotation, scale, parents, constraints": "location rotation_quaternion rotation_axis_angle "
+        "rotation_euler rotation_mode scale dimensions delta_location delta_rotation_euler delta_rotation_quaternion "
+        "delta_scale matrix_world matrix_local matrix_basis matrix_parent_inverse parent parent_type parent_vertices "
+        "parent_bone parent_bone_head_tail_factor track_axis up_axis constraints pose use_parent_final_indices",
+        "its data, modifiers and shape keys": "data type modifiers vertex_groups face_maps active_shape_key "
+        "active_shape_key_index show_only_shape_key add_rest_position_attribute use_simulation_cache",
+        "materials": "material_slots active_material active_material_index",
+        "whether it is hidden": "hide_render hide_viewport show_instancer_for_render show_instancer_for_viewport",
+        "instances": "instance_type use_instance_vertices_rotation use_instance_faces_scale instance_faces_scale "
+        "instance_collection is_instancer is_from_instancer is_from_set",
+        "physics, by Blender": "field collision soft_body rigid_body rigid_body_constraint",
+    },
+    named=(
+        Named("is_holdout", (False,), "it is a Holdout, but is shown as it is", kinds=SHOWN),
+        Named("is_shadow_catcher", (False,), "it is a Shadow Catcher, but is shown as it is", kinds=SHOWN),
+        Named("visible_camera", (True,), "its Camera visibility is off, but the camera sees it", kinds=SHOWN),
+        Named("visible_shadow", (True,), "its Shadow visibility is off, but it casts one", kinds=SHOWN),
+        Named("visible_diffuse", (True,), "its Diffuse visibility is off, but it lights diffuse surfaces",
+              kinds=("LIGHT", "GLOWING")),
+        Named("visible_glossy", (True,), "its Glossy visibility is off, but it shines in glossy surfaces",
+              kinds=("LIGHT", "GLOWING")),
+        Named("visible_volume_scatter", (True,), "its Volume Scatter visibility is off, but it lights smoke",
+              kinds=("LIGHT", "GLOWING")),
+        Named("visible_camera", (False,), "its Camera visibility is on, but the lamp itself is not seen",
+              kinds=("LIGHT",)),
+        Named("light_linking", (), "its light linking is not followed; it lights everything", kinds=("LIGHT",),
+              elsewhere=True),
+        Named("particle_systems", (), "its particle system '{value}' is hair, which is not shown", elsewhere=True),
+        Named("shadow_terminator_shading_offset", (0.0,), "its Shadow Terminator's Shading Offset of {value} is not "
+              "followed; there is none", kinds=("GLOWING", "DARK")),
+    ),
+    idle={
+        "light that passes through it, of which we show none": "visible_transmission",
+        "Raycast nodes, which materials name": "visible_raycast",
+        "the Object Info node, which materials name": "color pass_index",
+        "light groups, which the view layer names": "lightgroup",
+        "how Cycles hides its own artefacts at the edge of shadows": "shadow_terminator_geometry_offset "
+        "shadow_terminator_normal_offset",
+        "grease pencil, which Blender draws": "grease_pencil_modifiers shader_effects use_grease_pencil_lights",
+        "empties, which no render shows": "empty_display_type empty_display_size empty_image_offset empty_image_depth "
+        "empty_image_side show_empty_image_perspective show_empty_image_orthographic "
+        "show_empty_image_only_axis_aligned use_empty_image_alpha image_user",
+        _EEVEE: "hide_probe_volume hide_probe_sphere hide_probe_plane",
+        _VIEWPORT: "display display_type display_bounds_type show_bounds show_name show_axis show_texture_space show_wire "
+        "show_all_edges show_transparent show_in_front bound_box",
+        _INTERFACE: "mode lock_location lock_rotation lock_rotation_w lock_rotations_4d lock_scale hide_select "
+        "hide_surface_pick use_camera_lock_parent use_shape_key_edit_mode lineart pose_library animation_visualization "
+        "motion_path selection_sets active_selection_set",
+        _MODELLING: "use_dynamic_topology_sculpting use_mesh_mirror_x use_mesh_mirror_y use_mesh_mirror_z",
+    },
+)  # fmt: skip
+
+CYCLES_OBJECT = Struct(
+    "CyclesObjectSettings",
+    "object",
+    "cycles",
+    named=(
+        Named("use_adaptive_subdivision", (False,), "its Adaptive Subdivision is not followed; it is subdivided as in "
+              "other engines", kinds=SURFACES, elsewhere=True),
+        Named("shadow_terminator_offset", (0.0,), "its Shadow Terminator's Shading Offset of {value} is not followed; "
+              "there is none", kinds=("GLOWING", "DARK")),
+    ),
+    idle={
+        _MOTION: "use_motion_blur use_deform_motion motion_steps",
+        "culling, which the scene names": "use_camera_cull use_distance_cull",
+        "details of adaptive subdivision, which is named as a whole": "dicing_rate",
+        "how Cycles hides its own artefacts at the edge of shadows": "shadow_terminator_geometry_offset",
+        _INDIRECT: "ao_distance",
+        _CAUSTICS: "is_caustics_caster is_caustics_receiver",
+    },
+)  # fmt: skip
+
+LIGHT_LINKING = Struct(
+    "ObjectLightLinking",
+    "object",
+    "light_linking",
+    named=(
+        Named("receiver_collection", (None,), "its light linking is not followed; it lights everything",
+              kinds=("LIGHT",), elsewhere=True),
+        Named("blocker_collection", (None,), "its light linking is not followed; it lights everything",
+              kinds=("LIGHT",), elsewhere=True),
+    ),
+)  # fmt: skip
+
+_LAMPS_OF_EEVEE = (
+    "shadow_buffer_bias shadow_buffer_clip_start shadow_buffer_samples shadow_buffer_size shadow_color "
+    "shadow_filter_radius shadow_maximum_resolution shadow_jitter_overblur use_shadow_jitter use_absolute_resolution "
+    "use_contact_shadow contact_shadow_bias contact_shadow_distance contact_shadow_thickness"
+)
+_SHADOW = Named("use_shadow", (True,), "its Shadow is off, but it casts one", elsewhere=True)
+_FALLOFF = {
+    "falloffs that no engine has read since 2.8": "falloff_type falloff_curve linear_attenuation quadratic_attenuation "
+    "constant_coefficient linear_coefficient quadratic_coefficient"
+}
+
+LIGHT = Struct(
+    "Light",
+    "light",
+    followed={
+        "its kind": "type",
+        "color, exposure and temperature": "color exposure use_temperature temperature temperature_color",
+        "whether its power is normalized by its size": "normalize",
+        "nodes: an Emission of a constant color and strength": "node_tree use_nodes",
+    },
+    named=(_SHADOW,),
+    idle={
+        _EEVEE: "distance specular_factor diffuse_factor volume_factor transmission_factor use_custom_distance "
+        "cutoff_distance",
+    },
+)
+CYCLES_LIGHT = Struct(
+    "CyclesLightSettings",
+    "light",
+    "cycles",
+    followed={"portals, which give no light themselves": "is_portal"},
+    named=(Named("cast_shadow", (True,), "its Shadow is off, but it casts one", elsewhere=True),),
+    idle={
+        _SAMPLING: "use_multiple_importance_sampling",
+        _INDIRECT: "max_bounces",
+        _CAUSTICS: "is_caustics_light",
+    },
+)
+POINT = Struct(
+    "PointLight",
+    "light",
+    followed={"power, radius and soft falloff": "energy shadow_soft_size use_soft_falloff"},
+    named=(_SHADOW,),
+    idle={_EEVEE: _LAMPS_OF_EEVEE, **_FALLOFF},
+)
+SPOT = Struct(
+    "SpotLight",
+    "light",
+    followed={
+        "power, radius and soft falloff": "energy shadow_soft_size use_soft_falloff",
+        "the cone's size and blend": "spot_size spot_blend",
+    },
+    named=(_SHADOW,),
+    idle={_EEVEE: _LAMPS_OF_EEVEE + " use_square", _VIEWPORT: "show_cone", **_FALLOFF},
+)
+SUN = Struct(
+    "SunLight",
+    "light",
+    followed={"strength and angle": "energy angle"},
+    named=(_SHADOW,),
+    idle={
+        _EEVEE: _LAMPS_OF_EEVEE + " shadow_soft_size shadow_cascade_count shadow_cascade_exponent shadow_cascade_fade "
+        "shadow_cascade_max_distance",
+    },
+)
+AREA = Struct(
+    "AreaLight",
+    "light",
+    followed={"power, shape, size and spread": "energy shape size size_y spread"},
+    named=(_SHADOW,),
+    idle={_EEVEE: _LAMPS_OF_EEVEE + " shadow_soft_size", **_FALLOFF},
+)
+
+_PANORAMIC = (
+    "panorama_type fisheye_fov fisheye_lens fisheye_polynomial_k0 fisheye_polynomial_k1 fisheye_polynomial_k2 "
+    "fisheye_polynomial_k3 fisheye_polynomial_k4 latitude_min latitude_max longitude_min longitude_max "
+)
+CAMERA = Struct(
+    "Camera",
+    "camera",
+    followed={
+        "lens, sensor and shift": "lens lens_unit angle angle_x angle_y sensor_fit sensor_width sensor_height shift_x "
+        "shift_y",
+        "orthographic scale": "ortho_scale",
+        "clipping": "clip_start clip_end",
+    },
+    named=(
+        Named("type", ("PERSP", "ORTHO"), "a camera of type {value} is not shown; the picture is that of a "
+              "perspective one"),
+    ),
+    idle={
+        _PANORAMA: _PANORAMIC + "central_cylindrical_range_u_min central_cylindrical_range_u_max "
+        "central_cylindrical_range_v_min central_cylindrical_range_v_max central_cylindrical_radius custom_filepath "
+        "custom_shader custom_mode custom_bytecode custom_bytecode_hash cycles_custom",
+        "details of stereoscopy, which the scene names as a whole": "stereo",
+        _VIEWPORT: "passepartout_alpha display_size show_limits show_mist show_passepartout show_safe_areas "
+        "show_safe_center show_name show_sensor show_background_images background_images show_composition_center "
+        "show_composition_center_diagonal show_composition_golden show_composition_golden_tria_a "
+        "show_composition_golden_tria_b show_composition_harmony_tri_a show_composition_harmony_tri_b "
+        "show_composition_thirds composition_guide_color",
+    },
+)  # fmt: skip
+CYCLES_CAMERA = Struct("CyclesCameraSettings", "camera", "cycles", idle={_PANORAMA: _PANORAMIC.strip()})
+CYCLES_CUSTOM_CAMERA = Struct("CyclesCustomCameraSettings", "camera", "cycles_custom")
+DEPTH_OF_FIELD = Struct(
+    "CameraDOFSettings",
+    "camera",
+    "dof",
+    named=(Named("use_dof", (False,), "Depth of Field is not shown; everything is sharp"),),
+    idle={
+        "details of depth of field, which is named as a whole": "focus_object focus_subtarget focus_distance "
+        "aperture_fstop aperture_blades aperture_rotation aperture_ratio",
+    },
+)
+
+WORLD = Struct(
+    "World",
+    "world",
+    followed={"a Background of one color, as a backdrop": "node_tree use_nodes color"},
+    idle={
+        "the pass Mist, which the view layer names": "mist_settings",
+        _INDIRECT: "light_settings",
+        "light groups, which the view layer names": "lightgroup",
+        _EEVEE: "use_eevee_finite_volume probe_resolution sun_threshold sun_angle use_sun_shadow "
+        "sun_shadow_maximum_resolution sun_shadow_filter_radius use_sun_shadow_jitter sun_shadow_jitter_overblur",
+    },
+)
+CYCLES_WORLD = Struct(
+    "CyclesWorldSettings",
+    "world",
+    "cycles",
+    idle={
+        _SAMPLING: "sampling_method sample_map_resolution",
+        _WORLD: "max_bounces is_caustics_light use_shadows",
+        "the world's volume, which is named as a whole": "homogeneous_volume volume_sampling volume_interpolation "
+        "volume_step_size",
+    },
+)
+WORLD_VISIBILITY = Struct(
+    "CyclesVisibilitySettings",
+    "world",
+    "cycles_visibility",
+    named=(Named("camera", (True,), "its Camera visibility is off, but it is shown as a backdrop"),),
+    idle={_WORLD: "diffuse glossy transmission scatter shadow"},
+)
+
+VOLUME = Struct(
+    "Volume",
+    "volume",
+    followed={
+        "its file": "filepath packed_file",
+        "a sequence, its frames and its mode": "is_sequence frame_start frame_duration frame_offset sequence_mode",
+        "the grid that its material asks for": "grids",
+        "its material": "materials",
+    },
+    idle={
+        _MOTION: "velocity_grid velocity_unit velocity_scale velocity_x_grid velocity_y_grid velocity_z_grid",
+        _VIEWPORT: "display",
+    },
+)
+VOLUME_RENDER = Struct(
+    "VolumeRender",
+    "volume",
+    "render",
+    followed={"whether its density is of its own or of the world's space": "space"},
+    named=(Named("clipping", (), "its Clipping of {value} is not followed; all voxels are shown", elsewhere=True),),
+    idle={
+        "how exactly Cycles marches smoke; ours is the scene's Quality": "step_size",
+        "memory; we keep what the file has": "precision",
+    },
+)
+VOLUME_DISPLAY = Struct(
+    "VolumeDisplay",
+    "volume",
+    "display",
+    idle={
+        _VIEWPORT: "density wireframe_type wireframe_detail interpolation_method use_slice slice_axis slice_depth",
+    },
+)
+
+MATERIAL = Struct(
+    "Material",
+    "material",
+    followed={"nodes, and the viewport color where there are none": "node_tree use_nodes diffuse_color"},
+    idle={
+        "transparent surfaces, which nodes name": "use_transparent_shadow",
+        "displacement, which nodes name": "displacement_method max_vertex_displacement",
+        "the pass Material Index, which the view layer names": "pass_index",
+        _EEVEE: "blend_method shadow_method surface_render_method alpha_threshold show_transparent_back "
+        "use_transparency_overlap use_backface_culling use_backface_culling_shadow "
+        "use_backface_culling_lightprobe_volume use_screen_refraction use_raytrace_refraction use_sss_translucency "
+        "refraction_depth thickness_mode use_thickness_from_shadow volume_intersection_method",
+        _VIEWPORT: "roughness metallic specular_color specular_intensity preview_render_type use_preview_world",
+        "grease pencil and line art": "grease_pencil is_grease_pencil lineart line_color line_priority",
+        _MODELLING: "texture_paint_images texture_paint_slots paint_active_slot paint_clone_slot",
+    },
+)
+CYCLES_MATERIAL = Struct(
+    "CyclesMaterialSettings",
+    "material",
+    "cycles",
+    named=(
+        Named("volume_interpolation", ("LINEAR",), "its Volume Interpolation {value} is not followed; it is Linear",
+              kinds=("SMOKE",)),
+        Named("homogeneous_volume", (False,), "its Homogeneous is not followed; its smoke is as dense as its voxels say",
+              kinds=("SMOKE",)),
+    ),
+    idle={
+        _SAMPLING: "sample_as_light emission_sampling volume_sampling",
+        "how exactly Cycles marches smoke; ours is the scene's Quality": "volume_step_rate",
+        "transparent surfaces, which nodes name": "use_transparent_shadow",
+        "displacement, which nodes name": "displacement_method",
+        "bump, which nodes name": "use_bump_map_correction",
+    },
+)  # fmt: skip
+
+CYCLES_MESH = Struct("CyclesMeshSettings", "mesh", "cycles")
+
+STRUCTS = (
+    OBJECT,
+    CYCLES_OBJECT,
+    LIGHT_LINKING,
+    LIGHT,
+    CYCLES_LIGHT,
+    POINT,
+    SPOT,
+    SUN,
+    AREA,
+    CAMERA,
+    CYCLES_CAMERA,
+    CYCLES_CUSTOM_CAMERA,
+    DEPTH_OF_FIELD,
+    WORLD,
+    CYCLES_WORLD,
+    WORLD_VISIBILITY,
+    VOLUME,
+    VOLUME_RENDER,
+    VOLUME_DISPLAY,
+    MATERIAL,
+    CYCLES_MATERIAL,
+    CYCLES_MESH,
+)
