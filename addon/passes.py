@@ -73,7 +73,7 @@ def unknown(view_layer: Any) -> list[str]:
     for owner in (view_layer, getattr(view_layer, "cycles", None)):
         for prop in owner.bl_rna.properties if owner is not None else ():
             name = prop.identifier
-            is_pass = "pass_" in name or name == "denoising_store_passes"
+            is_pass = name.startswith(("use_pass_", "pass_", "denoising_store_"))
             if is_pass and prop.type == "BOOLEAN" and name not in ours and getattr(owner, name):
                 found.append(prop.name)
     found += [f"the AOV '{aov.name}'" for aov in view_layer.aovs]

@@ -83,7 +83,7 @@ def of_frame(depsgraph: Any, space: Any, notices: list[str]) -> None:
         return
     scene, layer, render = depsgraph.scene_eval, depsgraph.view_layer_eval, depsgraph.mode == "RENDER"
     of("scene", scene, scene.name, notices, render=render)
-    of("layer", layer, f"View layer {layer.name}", notices, render=render)
+    of("layer", layer, f"View layer '{layer.name}'", notices, render=render)
     camera = scene.camera
     if camera is not None and (space is None or _looks_through(space)):
         of("camera", camera.data, camera.name, notices)

@@ -78,7 +78,7 @@ class Stage:
             return
         yield {
             "scene": (self.scene, self.scene.name),
-            "layer": (self.layer, f"View layer {self.layer.name}"),
+            "layer": (self.layer, f"View layer '{self.layer.name}'"),
             "layer_collection": (layer_collection, "Props"),
             "camera": (self.camera.data, "Camera"),
             "world": (self.scene.world, "World"),

@@ -39,6 +39,7 @@ OBJECT = Struct(
         "its data, modifiers and shape keys": "data type modifiers vertex_groups face_maps active_shape_key "
         "active_shape_key_index show_only_shape_key add_rest_position_attribute use_simulation_cache",
         "materials": "material_slots active_material active_material_index",
+        "the pass Object Index": "pass_index",
         "whether it is hidden": "hide_render hide_viewport show_instancer_for_render show_instancer_for_viewport",
         "instances": "instance_type use_instance_vertices_rotation use_instance_faces_scale instance_faces_scale "
         "instance_collection is_instancer is_from_instancer is_from_set",
@@ -66,7 +67,7 @@ OBJECT = Struct(
     idle={
         "light that passes through it, of which we show none": "visible_transmission",
         "Raycast nodes, which materials name": "visible_raycast",
-        "the Object Info node, which materials name": "color pass_index",
+        "the Object Info node, which materials name": "color",
         "light groups, which the view layer names": "lightgroup",
         "how Cycles hides its own artefacts at the edge of shadows": "shadow_terminator_geometry_offset "
         "shadow_terminator_normal_offset",
@@ -184,9 +185,12 @@ SUN = Struct(
 AREA = Struct(
     "AreaLight",
     "light",
-    followed={"power, shape, size and spread": "energy shape size size_y spread"},
+    followed={
+        "power, shape, size and spread": "energy shape size size_y spread",
+        "its size by another name, before 4.0": "shadow_soft_size",
+    },
     named=(_SHADOW,),
-    idle={_EEVEE: _LAMPS_OF_EEVEE + " shadow_soft_size", **_FALLOFF},
+    idle={_EEVEE: _LAMPS_OF_EEVEE, **_FALLOFF},
 )
 
 _PANORAMIC = (
@@ -201,6 +205,7 @@ CAMERA = Struct(
         "shift_y",
         "orthographic scale": "ortho_scale",
         "clipping": "clip_start clip_end",
+        "stereoscopy": "stereo",
     },
     named=(
         Named("type", ("PERSP", "ORTHO"), "a camera of type {value} is not shown; the picture is that of a "
@@ -210,7 +215,6 @@ CAMERA = Struct(
         _PANORAMA: _PANORAMIC + "central_cylindrical_range_u_min central_cylindrical_range_u_max "
         "central_cylindrical_range_v_min central_cylindrical_range_v_max central_cylindrical_radius custom_filepath "
         "custom_shader custom_mode custom_bytecode custom_bytecode_hash cycles_custom",
-        "details of stereoscopy, which the scene names as a whole": "stereo",
         _VIEWPORT: "passepartout_alpha display_size show_limits show_mist show_passepartout show_safe_areas "
         "show_safe_center show_name show_sensor show_background_images background_images show_composition_center "
         "show_composition_center_diagonal show_composition_golden show_composition_golden_tria_a "
@@ -234,9 +238,11 @@ DEPTH_OF_FIELD = Struct(
 WORLD = Struct(
     "World",
     "world",
-    followed={"a Background of one color, as a backdrop": "node_tree use_nodes color"},
+    followed={
+        "a Background of one color, as a backdrop": "node_tree use_nodes color",
+        "the pass Mist": "mist_settings",
+    },
     idle={
-        "the pass Mist, which the view layer names": "mist_settings",
         _INDIRECT: "light_settings",
         "light groups, which the view layer names": "lightgroup",
         _EEVEE: "use_eevee_finite_volume probe_resolution sun_threshold sun_angle use_sun_shadow "
@@ -299,11 +305,13 @@ VOLUME_DISPLAY = Struct(
 MATERIAL = Struct(
     "Material",
     "material",
-    followed={"nodes, and the viewport color where there are none": "node_tree use_nodes diffuse_color"},
+    followed={
+        "nodes, and the viewport color where there are none": "node_tree use_nodes diffuse_color",
+        "the pass Material Index": "pass_index",
+    },
     idle={
         "transparent surfaces, which nodes name": "use_transparent_shadow",
         "displacement, which nodes name": "displacement_method max_vertex_displacement",
-        "the pass Material Index, which the view layer names": "pass_index",
         _EEVEE: "blend_method shadow_method surface_render_method alpha_threshold show_transparent_back "
         "use_transparency_overlap use_backface_culling use_backface_culling_shadow "
         "use_backface_culling_lightprobe_volume use_screen_refraction use_raytrace_refraction use_sss_translucency "

@@ -57,14 +57,13 @@ RENDER_SETTINGS = Struct(
         "the frame rate and time stretching": "fps fps_base frame_map_old frame_map_new",
         "Simplify's subdivision and particles, by Blender": "use_simplify simplify_subdivision "
         "simplify_child_particles simplify_subdivision_render simplify_child_particles_render use_simplify_normals",
+        "stereoscopy and views": "use_multiview views stereo_views views_format",
         "threads": "threads threads_mode",
         "persistent data": "use_persistent_data",
         "compositing and the sequencer, by Blender": "use_compositing use_sequencer",
     },
     named=(
         Named("use_motion_blur", (False,), "Motion Blur is not shown; everything stands as at the frame itself",
-              only=RENDER),
-        Named("use_multiview", (False,), "Stereoscopy is not shown; every view is that of the camera itself",
               only=RENDER),
         Named("simplify_volumes", (1.0,), "Simplify's Volume Resolution of {value} is not followed; volumes have all "
               "of their voxels", when=(("render.use_simplify", True),)),
@@ -80,7 +79,7 @@ RENDER_SETTINGS = Struct(
         "use_bake_lores_mesh use_bake_multires use_bake_selected_to_active use_bake_user_scale",
         _EEVEE: "filter_size hair_type hair_subdiv use_high_quality_normals anisotropic_filter",
         _MOTION: "motion_blur_shutter motion_blur_shutter_curve motion_blur_position",
-        "details of stereoscopy, which is named as a whole": "views stereo_views views_format use_spherical_stereo",
+        "panoramic cameras, which are named": "use_spherical_stereo",
         _FREESTYLE: "use_freestyle line_thickness line_thickness_mode",
         "grease pencil, which Blender draws": "simplify_gpencil simplify_gpencil_antialiasing simplify_gpencil_modifier "
         "simplify_gpencil_onplay simplify_gpencil_shader_fx simplify_gpencil_tint simplify_gpencil_view_fill",
@@ -98,12 +97,9 @@ CYCLES = Struct(
     "CyclesRenderSettings",
     "scene",
     "cycles",
+    followed={"the pixel filter and its width": "pixel_filter_type filter_width"},
     named=(
         Named("film_exposure", (1.0,), "Film's Exposure of {value} is not followed; it is taken for 1"),
-        Named("pixel_filter_type", ("BLACKMAN_HARRIS",), "the Pixel Filter {value} is not followed; it is "
-              "Blackman-Harris", only=RENDER),
-        Named("filter_width", (1.5,), "the Pixel Filter's width of {value} px is not followed; it is 1.5 px",
-              only=RENDER, when=(("cycles.pixel_filter_type", "BLACKMAN_HARRIS"),)),
         Named("sample_clamp_direct", (0.0,), "Clamping of Direct Light at {value} is not followed; nothing is clamped"),
         Named("use_camera_cull", (False,), "Simplify's Camera Culling is not followed; nothing is left out",
               when=(("render.use_simplify", True),)),
@@ -154,15 +150,8 @@ CYCLES_CURVES = Struct(
 )
 
 _PASSES = {
-    "use_pass_z": "Depth",
-    "use_pass_mist": "Mist",
-    "use_pass_position": "Position",
-    "use_pass_normal": "Normal",
     "use_pass_vector": "Vector",
     "use_pass_uv": "UV",
-    "use_pass_object_index": "Object Index",
-    "use_pass_material_index": "Material Index",
-    "use_pass_shadow": "Shadow",
     "use_pass_ambient_occlusion": "Ambient Occlusion",
     "use_pass_emit": "Emission",
     "use_pass_environment": "Environment",
@@ -198,7 +187,9 @@ _CYCLES_PASSES = {
 
 def _passes(labels: dict[str, str]) -> tuple[Named, ...]:
     return tuple(
-        Named(name, (False,), f"the pass {label} is not made; only Combined is", only=RENDER)
+        Named(
+            name, (False,), f"these passes are not made, and stay out of the file: {label}", only=RENDER, elsewhere=True
+        )
         for name, label in labels.items()
     )
 
@@ -208,7 +199,9 @@ VIEW_LAYER = Struct(
     "layer",
     followed={
         "which collections and objects are in it": "layer_collection objects use",
-        "the Combined pass": "use_pass_combined",
+        "the passes Combined, Depth, Mist, Position, Normal, Object and Material Index, and Shadow": "use_pass_combined "
+        "use_pass_z use_pass_mist use_pass_position use_pass_normal use_pass_object_index use_pass_material_index "
+        "use_pass_shadow",
     },
     named=(
         Named("material_override", (None,), "the Material Override {value} is not followed; objects have their own"),
@@ -216,8 +209,10 @@ VIEW_LAYER = Struct(
         Named("use_solid", (True,), "Surfaces are filtered out, but are shown"),
         Named("use_volumes", (True,), "Volumes are filtered out, but are shown"),
         Named("use_sky", (True,), "Environment is filtered out, but is shown"),
-        Named("aovs", (0,), "its shader AOVs are not made; only Combined is", only=RENDER),
-        Named("lightgroups", (0,), "its light groups are not made; only Combined is", only=RENDER),
+        Named("aovs", (0,), "these passes are not made, and stay out of the file: the AOV '…'", only=RENDER,
+              elsewhere=True),
+        Named("lightgroups", (0,), "these passes are not made, and stay out of the file: the light group '…'",
+              only=RENDER, elsewhere=True),
         *_passes(_PASSES),
     ),
     idle={

@@ -57,6 +57,7 @@ BY_BLENDER = {
     "simplify_child_particles simplify_subdivision_render simplify_child_particles_render use_simplify_normals "
     "use_compositing use_sequencer",
     "ViewLayer": "layer_collection objects use use_pass_combined",
+    "AreaLight": "shadow_soft_size",
     "LayerCollection": "collection children exclude hide_viewport is_visible name",
     "Object": "rotation_quaternion rotation_axis_angle rotation_mode dimensions delta_rotation_quaternion matrix_world "
     "matrix_local matrix_basis matrix_parent_inverse parent parent_type parent_vertices parent_bone "
@@ -70,6 +71,12 @@ BY_BLENDER = {
 }
 # What other files of this folder try.
 TRIED_IN = {
+    "passes.py": "ViewLayer.use_pass_z ViewLayer.use_pass_mist ViewLayer.use_pass_position ViewLayer.use_pass_normal "
+    "ViewLayer.use_pass_object_index ViewLayer.use_pass_material_index ViewLayer.use_pass_shadow World.mist_settings "
+    "Object.pass_index Material.pass_index",
+    "pixel_filter.py": "CyclesRenderSettings.pixel_filter_type CyclesRenderSettings.filter_width",
+    "several_views.py": "RenderSettings.use_multiview RenderSettings.views RenderSettings.stereo_views "
+    "RenderSettings.views_format Camera.stereo",
     "render.py": "Scene.camera RenderSettings.threads RenderSettings.threads_mode RenderSettings.use_persistent_data",
     "smoke.py": "Scene.frame_current Scene.frame_subframe Scene.frame_float Scene.frame_current_final",
     "bad_input.py": "Object.data Object.type Object.material_slots Scene.world World.node_tree World.use_nodes World.color",
