@@ -370,7 +370,8 @@ void store_passes(const FrameView &frame, LayerSet wanted, const Ray &ray, const
     }
     if (wanted.has(Layer::MATERIAL_INDEX)) {
         const bool any = xsimd::any(surface.hit);
-        const Real index = any ? gather(frame.surfaces.properties + material_row::NUMBER, surface.material) : Real(0.0F);
+        const Real index =
+            any ? gather(frame.surfaces.properties + material_row::NUMBER, surface.material) : Real(0.0F);
         pick(surface.hit, index, 0.0F).store_aligned(out.material_index);
     }
     const Real glow[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
