@@ -20,6 +20,11 @@ def set_pixels(layer: Any, views: list[dict[str, NDArray[np.float32]]]) -> None:
     layer.passes.foreach_set("rect", np.concatenate(flat))
 
 
+def index_pass(of: str) -> str:
+    """The name of the pass of an Object's or a Material's index. 4.5.15 against 5.0.1: passes.py."""
+    return f"{of} Index" if bpy.app.version >= (5, 0, 0) else {"Object": "IndexOB", "Material": "IndexMA"}[of]
+
+
 def normals(mesh: Any, own_copy: bool) -> NDArray[np.float32] | None:
     """Normals of a mesh whose loop triangles are calculated: of its vertices (n, 3), of the corners of its triangles
     (m, 3, 3), or None where its triangles are flat. `own_copy`: whether the mesh may be changed for it."""

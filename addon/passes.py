@@ -10,6 +10,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from . import compat
+
 Images = dict[str, NDArray[np.float32]]
 
 FARTHEST = 1e10  # the depth where there is nothing, as in Cycles
@@ -35,8 +37,8 @@ PASSES = (
     Pass("Mist", "Z", "VALUE", "use_pass_mist", "mist"),
     Pass("Position", "XYZ", "VECTOR", "use_pass_position", "position"),
     Pass("Normal", "XYZ", "VECTOR", "use_pass_normal", "normal"),
-    Pass("IndexOB", "X", "VALUE", "use_pass_object_index", "object_index"),
-    Pass("IndexMA", "X", "VALUE", "use_pass_material_index", "material_index"),
+    Pass(compat.index_pass("Object"), "X", "VALUE", "use_pass_object_index", "object_index"),
+    Pass(compat.index_pass("Material"), "X", "VALUE", "use_pass_material_index", "material_index"),
     Pass("Smoke", "RGBA", "COLOR", "smoke", "smoke"),
     Pass("Smoke Shadow", "RGB", "COLOR", "smoke_shadow", "smoke_shadow"),
     Pass("Shadow", "RGB", "COLOR", "use_pass_shadow", "shadow"),

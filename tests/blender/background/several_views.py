@@ -102,7 +102,8 @@ def test_each_view_layer_has_its_own_objects() -> None:
     for layer in scene.view_layers:
         layer.use_pass_object_index = True
     found = multilayer.render(SIZE)
-    assert (found["ViewLayer.IndexOB.X"] == 7).any() and not (found["Without.IndexOB.X"] == 7).any()
+    index = "Object Index.X" if bpy.app.version >= (5, 0, 0) else "IndexOB.X"
+    assert (found[f"ViewLayer.{index}"] == 7).any() and not (found[f"Without.{index}"] == 7).any()
     for layer in ("ViewLayer", "Without"):
         assert found[f"{layer}.Combined.R"].max() > 0.1, layer
 
