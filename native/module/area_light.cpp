@@ -68,7 +68,7 @@ py::object over_polygons(const py::object &polygons, const py::object &axis, con
             batch.axis = per_light(axes, corners.batch, 3, "axis");
             batch.exponent = per_light(powers, corners.batch, 1, "exponent");
         }
-        if (!normal.is_none()) {
+        if (!normal.is_none() || method == LobeMethod::DIFFUSE) { // of which a surface's normal is the axis
             normals = directions<Number>(normal, "normal");
             batch.normal = per_light(normals, corners.batch, 3, "normal");
         }

@@ -27,11 +27,24 @@ namespace py = pybind11;
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+// A value in a few words on one line: what a message says of it.
+inline std::string told(const py::handle &value) {
+    constexpr py::ssize_t LONGEST = 60;
+    if (py::isinstance<py::array>(value)) {
+        const auto array = py::reinterpret_borrow<py::array>(value);
+        return "an array of " + std::string(py::str(array.dtype())) + " of shape " +
+               std::string(py::str(array.attr("shape")));
+    }
+    const py::object words = py::repr(value).attr("replace")("\n", " "); // cut by letters, not by bytes
+    const bool is_long = py::len(words) > LONGEST;
+    return std::string(py::str(is_long ? words[py::slice(0, LONGEST, 1)] : words)) + (is_long ? "..." : "");
+}
+
 // Anything that NumPy makes an array of, in the precision that it came in.
 inline py::array any_array(const py::object &given, const std::string &name) {
     py::array array = py::array::ensure(given);
     if (!array || std::string_view("fiub").find(array.dtype().kind()) == std::string_view::npos) {
-        throw py::value_error(name + " is " + std::string(py::repr(given)) + ", but must be an array of real numbers");
+        throw py::value_error(name + " is " + told(given) + ", but must be an array of real numbers");
     }
     return array;
 }
@@ -50,7 +63,7 @@ std::string shape_of(const Array &array) {
     for (py::ssize_t axis = 0; axis < array.ndim(); ++axis) {
         out += (axis > 0 ? ", " : "") + text(array.shape(axis));
     }
-    return out + ")";
+    return out + (array.ndim() == 1 ? ",)" : ")");
 }
 
 // A size of -1 stands for any.
@@ -65,7 +78,8 @@ void require_shape(const Array &array, std::initializer_list<py::ssize_t> shape,
         ++axis;
     }
     if (!fits) {
-        throw py::value_error(name + " has shape " + shape_of(array) + ", but must have (" + wanted + ")");
+        throw py::value_error(name + " has shape " + shape_of(array) + ", but must have (" + wanted +
+                              (axis == 1 ? ",)" : ")"));
     }
 }
 

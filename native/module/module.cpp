@@ -24,10 +24,11 @@ py::tuple read_volume_file(const std::string &path, const std::string &grid) {
 PYBIND11_MODULE(sfumato, m) {
     using namespace sfumato;
     namespace py = pybind11;
-    m.doc() = "Smoke, its light and its shadow: NumPy arrays in, NumPy arrays out.\n\n"
-              "Metres, Z up, scene-linear RGB. Arrays may be float32 or float64; work is done in float32, but for\n"
-              "integrals over area lights, which keep the precision that they are given. Values that cannot be used\n"
-              "raise ValueError, which says which argument it was; what is no number at all raises TypeError.";
+    m.doc() =
+        "Smoke, its light and its shadow: NumPy arrays in, NumPy arrays out.\n\n"
+        "Metres, Z up, scene-linear RGB. Arrays may be float32 or float64; work is done in float32, but for\n"
+        "integrals over area lights, which keep the precision that they are given. Values that cannot be used\n"
+        "raise ValueError, which says which argument it was, and calls without it, or with one too many, TypeError.";
     m.attr("instruction_set") = instruction_set().name;
     m.attr("interface") = SFUMATO_INTERFACE; // the hash of sfumato.pyi: what calls this was written for the same one
     bind_area_light(m);
@@ -71,4 +72,5 @@ True
     bind_reference(m);
     bind_frame_parts(m);
     bind_frame(m);
+    refuse_plainly(m);
 }

@@ -21,4 +21,6 @@ void bind_scene(pybind11::module_ &m);
 void bind_scene_parts(pybind11::module_ &m);
 void bind_reference_microfacet(pybind11::module_ &reference);
 
+void refuse_plainly(pybind11::module_ &m); // the functions that are there by then
+
 } // namespace sfumato

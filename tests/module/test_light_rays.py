@@ -121,7 +121,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "depth holds nan at flat index 0": lambda: CURVE.store(np.array([np.nan]), HALF),
     "optical_depth holds -1 at flat index 0": lambda: sfumato.choose_basis(HALF[None], np.array([[-1.0]])),
     "range holds 0.75 before 0.25 for ray 0": lambda: sfumato.project(HALF, HALF, range=np.array([0.75, 0.25])),
-    r"range has shape \(3\)": lambda: sfumato.transmittance(np.ones(3), HALF, range=np.ones(3)),
+    r"range has shape \(3,\)": lambda: sfumato.transmittance(np.ones(3), HALF, range=np.ones(3)),
     "range holds inf": lambda: sfumato.project(HALF, HALF, range=np.array([0.0, np.inf])),
     "evaluator is 'sigma', but must be one of 'clamp', 'monotone'": lambda: sfumato.transmittance(
         np.ones(3), HALF, evaluator="sigma"
@@ -130,7 +130,7 @@ REFUSED: dict[str, Callable[[], object]] = {
         HALF, HALF, "mean"
     ),
     "q is 0, but must lie between": lambda: sfumato.depth_range(HALF, HALF, q=0.0),
-    r"optical_depth has shape \(2\), but must have that of depth, \(1\)": lambda: sfumato.project(HALF, np.ones(2)),
+    r"optical_depth has shape \(2,\), but must have that of depth, \(1,\)": lambda: sfumato.project(HALF, np.ones(2)),
     "texels has 6 bytes a ray, but must have more than 6": lambda: sfumato.unpack(np.zeros(6, np.uint8)),
     "texels has 19 bytes a ray, but curve has 20": lambda: CURVE.transmittance(np.zeros(19, np.uint8), HALF),
     "bytes is 4, but must lie between 8 and 64": lambda: sfumato.choose_basis(HALF[None], HALF[None], bytes=4),

@@ -223,7 +223,7 @@ def test_a_far_sphere_is_a_disk() -> None:
         ({"alpha": 1.5}, "alpha holds 1.5"),
         ({"alpha": -0.1}, "alpha holds -0.1"),
         ({"alpha": np.nan}, "alpha holds nan"),
-        ({"alpha": [0.1, 0.2, 0.3]}, "alpha has shape (3)"),
+        ({"alpha": [0.1, 0.2, 0.3]}, "alpha has shape (3,)"),
         ({"alpha": 0.6, "brdf": "blinn-phong"}, "alpha holds 0.6"),
         ({"alpha": (0.1, 0.2), "brdf": "blinn-phong"}, "alpha holds (0.1, 0.2)"),
         ({"brdf": "phong"}, "brdf is 'phong'"),

@@ -65,7 +65,7 @@ def test_unusable_receivers_are_named() -> None:
     c, half = np.ones(3), np.array([0.5])
     with pytest.raises(ValueError, match="depth holds 1.5 at flat index 0"):
         sfumato.transmittance_before(c, np.array([1.5]), half)
-    with pytest.raises(ValueError, match=r"optical_depth has shape \(2\)"):
+    with pytest.raises(ValueError, match=r"optical_depth has shape \(2,\)"):
         sfumato.transmittance_before(c, half, np.ones(2))
-    with pytest.raises(ValueError, match=r"depth has shape \(1\), but all axes other than the last"):
+    with pytest.raises(ValueError, match=r"depth has shape \(1,\), but all axes other than the last"):
         sfumato.transmittance_before(np.ones((4, 3)), half, half)
