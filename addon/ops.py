@@ -8,28 +8,45 @@ from typing import Any
 import bpy
 
 from . import compositor, props
-from .export import smoke
 
-THINNEST = 0.001  # the smallest thickness that a domain can have in the viewport
+NAMES_TOLD = 30  # in a tooltip, a line each
 
 
-class SfumatoHideOwnSmoke(bpy.types.Operator):
-    """Make the smoke that Solid mode draws by itself invisible, so that it does not show through Sfumato's.
+class SfumatoSelectNamed(bpy.types.Operator):
+    """Select the objects that a notice is about"""
 
-    Sets the viewport thickness of every gas domain to its minimum; renders do not read it
-    """
-
-    bl_idname = "sfumato.hide_own_smoke"
-    bl_label = "Hide Blender's Own Smoke"
+    bl_idname = "sfumato.select_named"
+    bl_label = "Select What Is Named"
     bl_options = {"REGISTER", "UNDO"}
 
+    names: bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # type: ignore[valid-type]  # a line each
+
+    @classmethod
+    def description(cls, _context: Any, properties: Any) -> str:
+        names = properties.names.splitlines()
+        more = len(names) - NAMES_TOLD
+        listed = "\n".join(names[:NAMES_TOLD] + ([f"and {more} more"] if more > 0 else []))
+        return f"Select these objects, in Object Mode:\n{listed}"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(context.mode == "OBJECT")
+
     def execute(self, context: Any) -> set[str]:
-        domains = [settings for thing in context.scene.objects if (settings := smoke.domain_settings(thing))]
-        for settings in domains:
-            settings.display_thickness = THINNEST
-        if not domains:
-            self.report({"WARNING"}, "The scene has no gas domain")
-        return {"FINISHED"} if domains else {"CANCELLED"}
+        for thing in context.selected_objects:
+            thing.select_set(False)
+        here = context.view_layer.objects
+        found = [here[name] for name in self.names.splitlines() if name in here]
+        for thing in found:
+            thing.select_set(True)
+        if found:
+            here.active = found[0]
+        missing = len(self.names.splitlines()) - len(found)
+        if missing:
+            self.report(
+                {"WARNING"}, f"{missing} of them are not in this view layer: they come from instanced collections"
+            )
+        return {"FINISHED"} if found else {"CANCELLED"}
 
 
 class SfumatoAddSmoke(bpy.types.Operator):

@@ -3,31 +3,78 @@
 
 from __future__ import annotations
 
-import textwrap
+from collections.abc import Iterator
 from typing import Any
 
+import blf
 import bpy
 
 from . import core, log, ops, passes, props
+from .view import overlay
 
 ENGINE = "SFUMATO"
 # Blender's own panels that make sense here are those of its plainest engine, and for lights, worlds and materials
 # those of EEVEE, which has had three names.
 EEVEE = {"BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"}
 EEVEE_CONTEXTS = {"data", "world", "material"}
+FONT = 0  # Blender's own
+# In pixels at a scale of 1: what of a region's width is not a label's text (the tabs or the scroll bar, the panel's
+# margins, the icon), and a button beside it.
+MARGINS, BUTTON = 78.0, 20.0
 
 
-def draw_wrapped(layout: Any, text: str, letters: int, icon: str) -> None:
-    """A text over as many lines as it takes, with an icon at the first."""
-    for index, part in enumerate(textwrap.wrap(text, letters)):
-        layout.label(text=part, icon=icon if index == 0 else "BLANK1")
+def lines_of(text: str, width: float) -> Iterator[str]:
+    """A text, in lines that are at most so many pixels wide in the font of Blender's panels."""
+    preferences = bpy.context.preferences
+    blf.size(FONT, preferences.ui_styles[0].widget.points * preferences.system.ui_scale)
+    line = ""
+    for word in text.split():
+        longer = f"{line} {word}".lstrip()
+        if line and blf.dimensions(FONT, longer)[0] > width:
+            yield line
+            longer = word
+        line = longer
+    yield line
 
 
-def draw_notices(layout: Any, width: int) -> None:
-    """What cannot be shown and why, wrapped to `width` pixels."""
-    lines = [problem] if (problem := core.problem()) else log.notices()
-    for line in lines:
-        draw_wrapped(layout.box().column(align=True), line, max(20, width // 8), "INFO")
+def draw_wrapped(layout: Any, text: str, width: float, icon: str) -> None:
+    """A text over as many lines as a region of `width` pixels makes of it, with an icon at the first."""
+    column = layout.column(align=True)
+    room = width - MARGINS * bpy.context.preferences.system.ui_scale
+    for index, part in enumerate(lines_of(text, room)):
+        column.label(text=part, icon=icon if index == 0 else "BLANK1")
+
+
+def draw_notice(layout: Any, group: log.Group, width: float) -> None:
+    """What is said of one thing or of many, whose names are told, and which are selected, on demand."""
+    known = [name for name in group.names if name in bpy.data.objects]
+    if not known:
+        draw_wrapped(layout, str(group), width, "INFO")
+        return
+    row = layout.row(align=True)
+    draw_wrapped(row, str(group), width - BUTTON * bpy.context.preferences.system.ui_scale, "INFO")
+    select = row.operator(ops.SfumatoSelectNamed.bl_idname, text="", icon="RESTRICT_SELECT_OFF", emboss=False)
+    select.names = "\n".join(known)
+
+
+class NoticesPanel:
+    """What is shown otherwise than Cycles would show it, where that matters in what is seen."""
+
+    bl_label = "Shown Differently"
+    layout: Any
+
+    @staticmethod
+    def sources(context: Any) -> tuple[str, ...]:
+        raise NotImplementedError
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return not core.problem() and bool(log.notices(*cls.sources(context)))
+
+    def draw(self, context: Any) -> None:
+        column = self.layout.column()
+        for group in log.grouped(tuple(log.notices(*self.sources(context)))):
+            draw_notice(column, group, context.region.width)
 
 
 class StagesPanel:
@@ -60,10 +107,27 @@ class SfumatoViewportPanel(bpy.types.Panel):
         settings = props.of(context.scene)
         layout.prop(settings, "viewport_enabled")
         layout.prop(settings, "quality")
-        layout.operator(ops.SfumatoHideOwnSmoke.bl_idname)
         if context.scene.render.engine != ENGINE:
             layout.operator(ops.SfumatoAddSmoke.bl_idname)
-        draw_notices(layout, context.region.width)
+        if problem := core.problem():
+            draw_wrapped(layout, problem, context.region.width, "ERROR")
+
+
+class SfumatoViewportNoticesPanel(NoticesPanel, bpy.types.Panel):
+    bl_idname = "SFUMATO_PT_viewport_notices"
+    bl_parent_id = "SFUMATO_PT_viewport"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Sfumato"
+
+    @staticmethod
+    def sources(context: Any) -> tuple[str, ...]:
+        """What the view shows: smoke over Blender's picture, ours alone, or neither."""
+        shading = context.space_data.shading.type
+        if shading == "RENDERED":
+            return ("start", "view") if context.engine == ENGINE else ("start",)
+        drawn = shading in overlay.SHADING_TYPES and props.of(context.scene).viewport_enabled
+        return ("start", "viewport") if drawn else ("start",)
 
 
 class SfumatoViewportStagesPanel(StagesPanel, bpy.types.Panel):
@@ -93,7 +157,21 @@ class SfumatoRenderPanel(bpy.types.Panel):
         layout.prop(settings, "quality")
         layout.prop(settings, "viewport_enabled")
         layout.prop(settings, "missing_is_error")
-        draw_notices(layout, context.region.width)
+        if problem := core.problem():
+            draw_wrapped(layout, problem, context.region.width, "ERROR")
+
+
+class SfumatoRenderNoticesPanel(NoticesPanel, bpy.types.Panel):
+    bl_idname = "SFUMATO_PT_render_notices"
+    bl_parent_id = "SFUMATO_PT_render"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {ENGINE}
+
+    @staticmethod
+    def sources(_context: Any) -> tuple[str, ...]:
+        return "start", "render", "view"
 
 
 class SfumatoRenderStagesPanel(StagesPanel, bpy.types.Panel):
@@ -137,17 +215,19 @@ class SfumatoPreferences(bpy.types.AddonPreferences):
     def draw(self, context: Any) -> None:
         problem = core.problem()
         if problem:
-            draw_wrapped(self.layout, problem, 90, "ERROR")
+            draw_wrapped(self.layout, problem, context.region.width, "ERROR")
         else:
             self.layout.label(text=f"Ready, using {core.module().instruction_set} instructions", icon="CHECKMARK")
 
 
 CLASSES = (
-    ops.SfumatoHideOwnSmoke,
+    ops.SfumatoSelectNamed,
     ops.SfumatoAddSmoke,
     SfumatoViewportPanel,
+    SfumatoViewportNoticesPanel,
     SfumatoViewportStagesPanel,
     SfumatoRenderPanel,
+    SfumatoRenderNoticesPanel,
     SfumatoRenderStagesPanel,
     SfumatoPassesPanel,
     SfumatoPreferences,

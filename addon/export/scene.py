@@ -27,6 +27,7 @@ class Export:
     scene: Any
     notices: list[str] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)  # of these, the smoke that should be there
+    drawn: set[str] = field(default_factory=set)  # objects whose smoke a viewport draws
 
 
 @dataclass
@@ -60,11 +61,13 @@ def _type_switches() -> tuple[str, ...]:
     return tuple(name for name in names if name.startswith("show_object_viewport_"))
 
 
-def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Export:
-    """Everything that `depsgraph` shows, in a 3D view if there is one, with what `parts` has of an earlier export. Raises
+def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_alone: bool = False) -> Export:
+    """Everything that `depsgraph` shows, in a 3D view if there is one, with what `parts` has of an earlier export. Where
+    smoke and shadows alone are seen of it there are no notices of what surfaces and the world look like. Raises
     core.Missing without the native module."""
     parts = parts or Parts()
     out = Export(core.module().Scene())
+    looks: list[str] = [] if smoke_alone else out.notices
     lit = 0
     media: list[tuple[str, smoke.Medium]] = []
     groups: dict[tuple[int, int], _Group | None] = {}
@@ -92,7 +95,7 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Exp
                 omissions.of_smoke(thing, out.notices)
                 media.append((thing.name, medium))
             elif thing.type in meshes.SURFACE_TYPES:
-                groups[key] = group = _group_of(thing, depsgraph, parts, out.notices)
+                groups[key] = group = _group_of(thing, depsgraph, parts, looks)
                 if group is not None:
                     group.places.append(number)
                     group.object_indices.append(thing.pass_index)
@@ -116,7 +119,7 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None) -> Exp
     omissions.of_frame(depsgraph, space, out.notices)
     omissions.of_objects(depsgraph, out.notices)
     if not depsgraph.scene.render.film_transparent:
-        out.scene.set_background(materials.background(depsgraph.scene, out.notices))
+        out.scene.set_background(materials.background(depsgraph.scene, looks))
     parts.end_export()
     return out
 
@@ -133,7 +136,12 @@ def frame_of(depsgraph: Any, source: str, parts: Parts | None = None, whole: boo
     log.replace(source, out.notices)
     if whole and out.missing:
         raise ValueError("; ".join(out.missing))
-    quality = props.QUALITIES[props.of(depsgraph.scene).quality]
+    return made_of(out, depsgraph.scene, parts)
+
+
+def made_of(out: Export, settings: Any, parts: Parts) -> Any:
+    """The native Frame of an export, in the quality of a scene."""
+    quality = props.QUALITIES[props.of(settings).quality]
     return core.module().Frame(out.scene, **quality.frame, prepared=parts.native)
 
 
@@ -206,10 +214,11 @@ def add_media(out: Export, media: list[tuple[str, smoke.Medium]]) -> None:
             f"{len(media)} bodies of smoke: the viewport draws the {MOST_MEDIA} with the most in them, {kept}; "
             "renders, and shadows on surfaces, have all"
         )
-    for name, medium in media[:MOST_BODIES]:
+    for number, (name, medium) in enumerate(media[:MOST_BODIES]):
         try:
             out.scene.add_medium(
                 medium.grid, medium.grid_to_world, medium.scattering, medium.absorption, medium.anisotropy
             )
+            out.drawn |= {name} if number < MOST_MEDIA else set()
         except ValueError as error:
             out.notices.append(f"{name}: {error}")

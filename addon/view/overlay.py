@@ -18,8 +18,8 @@ from bpy.app.handlers import persistent
 from .. import log, props
 from ..export import parts, scene
 from ..gpu import passes
+from . import own_smoke, refinement
 from . import painter as painting
-from . import refinement
 from .painter import painter
 from .rendered import look_of, picture_of
 
@@ -32,6 +32,7 @@ class _Overlay:
     def __init__(self) -> None:
         self.dirty = True
         self._frames: dict[tuple[Any, ...], Any] = {}  # of views that differ in what they show
+        self._hidden: dict[tuple[int, str], set[str]] = {}  # of what Solid mode would draw, by scene and view layer
         self._target: Any = None
         add = bpy.types.SpaceView3D.draw_handler_add
         self._handles = [add(self._before, (), "WINDOW", "PRE_VIEW"), add(self._after, (), "WINDOW", "POST_VIEW")]
@@ -40,17 +41,28 @@ class _Overlay:
         for handle in self._handles:
             bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
         self._handles.clear()
+        for settings in bpy.data.scenes:
+            for layer in settings.view_layers:
+                if layer.depsgraph is not None and (hidden := self.hidden(settings, layer)):
+                    own_smoke.hide(layer.depsgraph, set(), hidden)
 
     def forget(self) -> None:
         self._frames.clear()
+        self._hidden.clear()
         self.dirty = True
+
+    def hidden(self, settings: Any, layer: Any) -> set[str]:
+        """Objects of a view layer whose smoke Solid mode must not draw."""
+        return self._hidden.get((settings.as_pointer(), layer.name), set())
 
     def _before(self) -> None:
         """PRE_VIEW: the scene-linear target of Blender's picture is bound."""
         self._target = None
         with self._reporting():
             context = bpy.context
-            if props.of(context.scene).viewport_enabled and context.space_data.shading.type in SHADING_TYPES:
+            if not props.of(context.scene).viewport_enabled:
+                self._hide_own(context, set())
+            elif context.space_data.shading.type in SHADING_TYPES:
                 self._target = passes.active_framebuffer()
 
     def _after(self) -> None:
@@ -76,16 +88,32 @@ class _Overlay:
             painter().dim_background(picture, exposure, _background(context))
 
     def _current_frame(self, context: bpy.types.Context) -> Any:
-        if self.dirty:
-            self.dirty = False
+        anew, self.dirty = self.dirty, False
+        if anew:
             self._frames.clear()
         space, quality = context.space_data, props.of(context.scene).quality
         key = (context.scene.as_pointer(), context.view_layer.name, quality, *scene.filter_of(space))
         if key not in self._frames:
             self._frames[key] = None  # a failure waits for the next change
-            depsgraph = context.evaluated_depsgraph_get()
-            self._frames[key] = scene.frame_of(depsgraph, "viewport", parts.of_views(), space=space)
+            drawn = set() if anew else self.hidden(context.scene, context.view_layer)
+            try:
+                out = scene.export(context.evaluated_depsgraph_get(), parts.of_views(), space, True)
+                log.replace("viewport", out.notices)
+                self._frames[key] = scene.made_of(out, context.scene, parts.of_views())
+                drawn = drawn | out.drawn
+            finally:
+                self._hide_own(context, drawn)
         return self._frames[key]
+
+    def _hide_own(self, context: bpy.types.Context, names: set[str]) -> None:
+        """Let Solid mode draw the smoke of all objects but these; what that changes is seen at the next redraw."""
+        before = self.hidden(context.scene, context.view_layer)
+        if not names and not before:
+            return
+        self._hidden[context.scene.as_pointer(), context.view_layer.name] = names
+        if own_smoke.hide(context.evaluated_depsgraph_get(), names, before):
+            # What is tagged while a view is being drawn is forgotten.
+            bpy.app.timers.register(_redraw)
 
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:
@@ -109,12 +137,22 @@ def _background(context: bpy.types.Context) -> tuple[float, float, float]:
     return red, green, blue
 
 
+def _redraw() -> None:
+    """A timer's: every 3D view."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
 _overlay: _Overlay | None = None
 
 
 @persistent  # type: ignore[misc]
 def _on_update(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     parts.note(depsgraph)
+    if _overlay is not None:
+        own_smoke.hide_again(depsgraph, _overlay.hidden(depsgraph.scene, depsgraph.view_layer))
     if _overlay is not None and any(_matters(update) for update in depsgraph.updates):
         _overlay.dirty = True
 
@@ -129,6 +167,7 @@ def _matters(update: bpy.types.DepsgraphUpdate) -> bool:
 def _on_frame(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     parts.note(depsgraph)
     if _overlay is not None:
+        own_smoke.hide_again(depsgraph, _overlay.hidden(depsgraph.scene, depsgraph.view_layer))
         _overlay.dirty = True
 
 
