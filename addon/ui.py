@@ -103,7 +103,6 @@ class SfumatoViewportPanel(bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         layout = self.layout
-        layout.use_property_split = True
         settings = props.of(context.scene)
         layout.prop(settings, "viewport_enabled")
         layout.prop(settings, "quality")
@@ -152,9 +151,10 @@ class SfumatoRenderPanel(bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         layout = self.layout
-        layout.use_property_split = True
         settings = props.of(context.scene)
-        layout.prop(settings, "quality")
+        named = layout.column()
+        named.use_property_split = True  # which would leave no room for the names of switches
+        named.prop(settings, "quality")
         layout.prop(settings, "viewport_enabled")
         layout.prop(settings, "missing_is_error")
         if problem := core.problem():

@@ -88,7 +88,7 @@ def smoke_of(thing: Any, notices: list[str]) -> Smoke | None:
             continue
         if node.type == "PRINCIPLED_VOLUME":
             return _principled_smoke(node, thing.name, notices)
-        notices.append(f"{thing.name}: its volume shader is {node.type.lower()}; only Principled Volume is shown")
+        notices.append(f"{thing.name}: its volume shader {node.bl_rna.name} is shown as white smoke of density 1")
         return _WHITE
     if thing.type == "VOLUME":
         return None
@@ -128,7 +128,7 @@ def background(scene: Any, notices: list[str]) -> NDArray[np.float64]:
     if shader is None or (shader.mute and shader.type == "BACKGROUND"):
         return np.zeros(3)
     if shader.type != "BACKGROUND":
-        notices.append(f"World: the shader {shader.type.lower()} is not shown")
+        notices.append(f"World: its shader {shader.bl_rna.name} is not shown; it is black")
         return np.zeros(3)
     colour = value_of(shader, "Color", "World", notices)
     strength = value_of(shader, "Strength", "World", notices)

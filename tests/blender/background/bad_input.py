@@ -209,7 +209,7 @@ def test_materials_that_are_not_modelled() -> None:
     shaded("Ball", "ShaderNodeBsdfGlass")
     shaded("Block", "ShaderNodeBsdfPrincipled", Transmission_or_Transmission_Weight=1.0)
     assert pictures.render(TINY)[..., :3].max() > 0.0
-    assert said("Ball", "glass") and said("Block", "Transmission"), log.notices()
+    assert said("Ball", "Glass BSDF") and said("Block", "Transmission"), log.notices()
 
 
 def test_no_camera() -> None:
