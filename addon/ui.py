@@ -24,16 +24,22 @@ MARGINS, BUTTON = 78.0, 20.0
 
 
 def lines_of(text: str, width: float) -> Iterator[str]:
-    """A text, in lines that are at most so many pixels wide in the font of Blender's panels."""
+    """A text, in lines that are at most so many pixels wide in the font of Blender's panels; only words that are wider,
+    such as paths, are broken."""
     preferences = bpy.context.preferences
     blf.size(FONT, preferences.ui_styles[0].widget.points * preferences.system.ui_scale)
     line = ""
     for word in text.split():
-        longer = f"{line} {word}".lstrip()
-        if line and blf.dimensions(FONT, longer)[0] > width:
+        gap = " " if line else ""
+        if line and blf.dimensions(FONT, line + gap + word)[0] > width:
             yield line
-            longer = word
-        line = longer
+            line = gap = ""
+        line += gap
+        for letter in word:
+            if line and blf.dimensions(FONT, line + letter)[0] > width:
+                yield line
+                line = ""
+            line += letter
     yield line
 
 

@@ -53,7 +53,9 @@ def emission_of(thing: Any, notices: list[str]) -> NDArray[np.float64]:
     if shader is None or shader.mute:
         return np.zeros(3)
     if shader.type != "EMISSION":
-        notices.append(f"{thing.name}: the node {shader.bl_rna.name} of its light is not shown; it shines as if it had none")
+        notices.append(
+            f"{thing.name}: the node {shader.bl_rna.name} of its light is not shown; it shines as if it had none"
+        )
         return np.ones(3)
     colour = materials.value_of(shader, "Color", thing.name, notices)
     emission: NDArray[np.float64] = colour * materials.value_of(shader, "Strength", thing.name, notices)
