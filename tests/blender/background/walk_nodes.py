@@ -116,6 +116,8 @@ def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
                 and name not in {socket.name for socket in table.named}
             ):
                 stage, node, owner = with_node(table.name)
+                if name == "IOR" and "Specular" in node.inputs:
+                    continue  # before 4.0 only Transmission reads it
                 if name in NEEDS and NEEDS[name] in node.inputs:
                     node.inputs[NEEDS[name]].default_value = 0.5
                 before = stage.exported()
