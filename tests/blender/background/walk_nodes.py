@@ -6,6 +6,7 @@ from typing import Any
 
 import bpy
 import harness
+import pictures
 from sfumato.export.known import Node, nodes
 from stage import Stage
 
@@ -117,7 +118,7 @@ def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
             ):
                 stage, node, owner = with_node(table.name)
                 if name == "IOR" and "Specular" in node.inputs:
-                    continue  # before 4.0 only Transmission reads it
+                    continue  # before 4.0 it is that of glass
                 if name in NEEDS and NEEDS[name] in node.inputs:
                     node.inputs[NEEDS[name]].default_value = 0.5
                 before = stage.exported()
@@ -153,6 +154,19 @@ def test_nodes_that_are_not_followed_are_named_where_they_are_used() -> None:
             if source is not None:
                 tree.links.new(source, socket)
     assert not any(wrong), "\n".join(filter(None, wrong))
+
+
+def test_a_muted_shader_is_black_as_in_cycles() -> None:
+    for name in ("ShaderNodeBsdfDiffuse", "ShaderNodeBsdfPrincipled", "ShaderNodeEmission", "ShaderNodeBackground"):
+        stage, node, _ = with_node(name)
+        stage.smoke.hide_render = stage.glow.hide_render = True
+        stage.floor.hide_render = name == "ShaderNodeBackground"
+        for other in stage.scene.world.node_tree.nodes:
+            other.mute = other.type == "BACKGROUND"
+        node.mute = True
+        stage.scene.cycles.samples, stage.scene.cycles.use_denoising = 1, False
+        assert pictures.render(None, "CYCLES")[..., :3].max() == 0.0, name
+        assert pictures.render()[..., :3].max() == 0.0, name
 
 
 def group() -> bpy.types.NodeTree:
