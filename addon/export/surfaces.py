@@ -139,6 +139,8 @@ def principled(shader: Any, reader: Reader) -> Surface:
     make = _layered if compat.principled_has_layers() else _of_one_gloss
     surface = make(shader, reader, colour, lobe)
     surface.emission = emission
+    if emission.any() and Reader(reader.owner, []).number(shader, "Coat Weight") > 0.0:
+        reader.say("its glow is as if it had no Coat")
     return surface
 
 
