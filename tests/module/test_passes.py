@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -33,7 +35,7 @@ def scene(smoke: bool = True, albedo: float = 0.5) -> sfumato.Scene:
     return out
 
 
-def passes(of: sfumato.Scene, *names: str, **settings: object) -> dict[str, np.ndarray]:
+def passes(of: sfumato.Scene, *names: str, **settings: Any) -> dict[str, Any]:
     """32 x 32 pixels: the middle row, through both quads."""
     frame = sfumato.Frame(of, coefficients=31, texels_per_cell=2.0, steps_per_cell=4.0)
     found = frame.passes(camera(), 32, 32, list(names), **settings)
