@@ -66,11 +66,16 @@ bool is_triple(py::handle value) {
            std::all_of(value.begin(), value.end(), &is_whole);
 }
 
+bool are_texts(py::handle value) {
+    return PySequence_Check(value.ptr()) != 0 && !is_text(value) && std::all_of(value.begin(), value.end(), &is_text);
+}
+
 // In the order in which they are looked for: the type of an array names that of its numbers, too, that of a function
 // what it is given.
 constexpr std::array KINDS{
     Kind{"Callable", "a function", &is_function},
     Kind{"uint8", "an array of uint8", &is_bytes},
+    Kind{"[str]", "a list of texts", &are_texts},
     Kind{"numpy", "an array of real numbers", &is_array},
     Kind{"object", "an array of real numbers", &is_array},
     Kind{"int[3]", "three whole numbers", &is_triple},

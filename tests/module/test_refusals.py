@@ -79,6 +79,7 @@ VALUES: dict[str, Any] = {
     "end": (1, 1, 1),
     "d": [0.5],
     "path": "no such file.vdb",
+    "names": ["position", "mist"],
     "RayStorage.transmittance.texels": STORAGE.store(RAYS, RAYS),
     "transmittance.coefficients": sfumato.project(RAYS, RAYS),
     "transmittance_before.coefficients": sfumato.project(RAYS, RAYS),
