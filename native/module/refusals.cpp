@@ -75,7 +75,8 @@ bool are_texts(py::handle value) {
 constexpr std::array KINDS{
     Kind{"Callable", "a function", &is_function},
     Kind{"uint8", "an array of uint8", &is_bytes},
-    Kind{"[str]", "a list of texts", &are_texts},
+    Kind{"List[str]", "a list of texts", &are_texts},
+    Kind{"Sequence[str]", "a list of texts", &are_texts},
     Kind{"numpy", "an array of real numbers", &is_array},
     Kind{"object", "an array of real numbers", &is_array},
     Kind{"int[3]", "three whole numbers", &is_triple},
