@@ -42,12 +42,15 @@ Real visibility(const SurfaceView &view, const vec3 &point, const Towards &towar
     return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
 }
 
-// What the smoke lets through from a light to a point: the mean over the light's samples.
+// What the smoke lets through from a light to a point: the mean over the light's samples, by what each brings.
 void smoke_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, Real out[3]) {
     const int colours = frame.grey ? 1 : 3;
     const std::size_t media = frame.media.size();
-    Real sum[3] = {0.0F, 0.0F, 0.0F};
+    constexpr float NOTHING = 1e-12F; // what none of them shines at has a plain mean
+    Real sum[3] = {0.0F, 0.0F, 0.0F}, all = 0.0F;
     for (std::size_t j = 0; j < light.samples.size(); ++j) {
+        const Real share = sample_share(light, light.samples[j], point) + NOTHING;
+        all = all + share;
         Real depth[3] = {0.0F, 0.0F, 0.0F};
         for (std::size_t m = 0; m < media; ++m) {
             const LightMapView &map = light.maps[j * media + m];
@@ -58,11 +61,11 @@ void smoke_transmittance(const FrameView &frame, const LightView &light, const v
             add_optical_depth(map, locate(map, place.x, place.y), place, frame.media[m].extinction, colours, depth);
         }
         for (int c = 0; c < colours; ++c) {
-            sum[c] = sum[c] + RaysText().transmittance_of(depth[c]);
+            sum[c] = sum[c] + share * RaysText().transmittance_of(depth[c]);
         }
     }
     for (int c = 0; c < 3; ++c) {
-        out[c] = sum[c < colours ? c : 0] * (1.0F / static_cast<float>(light.samples.size()));
+        out[c] = sum[c < colours ? c : 0] / all;
     }
 }
 
@@ -81,6 +84,10 @@ void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
     v.x.store_aligned(to[0]);
     v.y.store_aligned(to[1]);
     v.z.store_aligned(to[2]);
+}
+
+vec3 load(const float (&from)[3][MAX_LANES]) {
+    return {Real::load_aligned(from[0]), Real::load_aligned(from[1]), Real::load_aligned(from[2])};
 }
 
 void pack(const Surface &surface, const vec3 &point, const vec3 &direction, ShadingPacket &packet) {
@@ -138,8 +145,9 @@ Mirrored mirrored(const LightView &light, const Surface &surface, const Lobe &lo
 
 // The share of a light that reaches a surface: past solids, asked for one point of the light, and through the smoke.
 // What the surface's shading normal does not see of the light is not in its shading, and counts as visible.
-Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3 &start, const Towards &towards) {
-    const Mask above = surface.hit & (dot(surface.normal, towards.direction) > 0.0F);
+Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3 &start, const Towards &towards,
+                      Mask wanted) {
+    const Mask above = wanted & (dot(surface.normal, towards.direction) > 0.0F);
     const Mask asked = above & (dot(surface.geometric_normal, towards.direction) > 0.0F);
     const Real visible = visibility(frame.surfaces, start, towards, asked);
     return pick(asked, visible, pick(above, 0.0F, 1.0F));
@@ -160,46 +168,60 @@ struct PastSolids {
     Real diffuse, gloss[MAX_LOBES];
 };
 
+// What one sample of a light is worth to a surface, or one of its layers of gloss, and whether it is visible.
+struct Sampled {
+    Real worth, visible;
+};
+
+// Of a layer of gloss, which may look elsewhere on the light than what is diffuse, `dull`.
+Sampled sampled(const FrameView &frame, const Surface &surface, const Lobe &lobe, const LightView &light,
+                const vec3 &from, Real u, Real v, const Towards &towards, Real dull, ShadingPacket &shading) {
+    Sampled out{0.0F, dull};
+    pack_lobe(lobe, surface.tangents, shading);
+    store(from, shading.from);
+    u.store_aligned(shading.light_u);
+    v.store_aligned(shading.light_v);
+    for_both_facets(surface, lobe, shading, [&](Mask these) {
+        store(towards.direction, shading.towards);
+        towards.distance.store_aligned(shading.reach);
+        towards.irradiance.store_aligned(shading.irradiance);
+        look(light, shading);
+        const Towards seen{load(shading.towards), Real::load_aligned(shading.reach), 0.0F};
+        const Mask moved = these & surface.hit & (Real::load_aligned(shading.moved) > 0.0F);
+        out.worth = pick(these, Real::load_aligned(shading.worth), out.worth);
+        out.visible = pick(moved, solid_visibility(frame, surface, from, seen, moved), out.visible);
+    });
+    return out;
+}
+
 // Of the sample that the ray stands for; or a mean over the packet's shadow samples, each by what the surface would
 // make of it: with that the closed forms count as a control (Heitz, Hill and McGuire, "Combining analytic direct
 // illumination and stochastic shadows", 2018), and of what hides a part of a light a mirror knows only the part that it
 // shows.
 PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface, int lobes,
                              const LightView &light, const vec3 &start, ShadingPacket &shading) {
-    PastSolids sum{};
-    if (packet.shadows.empty()) {
-        const Real u = Real::load_aligned(packet.light_u), v = Real::load_aligned(packet.light_v);
-        const Real visible = solid_visibility(frame, surface, start, sample_towards(light, start, u, v));
-        sum.diffuse = visible;
-        std::fill_n(sum.gloss, lobes, visible);
-        return sum;
-    }
-    constexpr float NOTHING = 1e-20F; // what the surface makes nothing of is a plain mean
-    PastSolids all{};
-    for (const ShadowSample &sample : packet.shadows) {
-        const vec3 from =
-            beside(surface, start, ray_through(frame, Real::load_aligned(sample.u), Real::load_aligned(sample.v)));
-        const Real u = Real::load_aligned(sample.light_u), v = Real::load_aligned(sample.light_v);
+    PastSolids sum{}, all{};
+    const auto add = [&](const vec3 &from, Real u, Real v) {
+        constexpr float NOTHING = 1e-20F; // what the surface makes nothing of is a plain mean
         const Towards towards = sample_towards(light, from, u, v);
-        const Real visible = solid_visibility(frame, surface, from, towards);
+        const Real visible = solid_visibility(frame, surface, from, towards, surface.hit);
         const Real diffuse = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance + NOTHING;
         all.diffuse = all.diffuse + diffuse;
         sum.diffuse = sum.diffuse + diffuse * visible;
-        if (lobes > 0) {
-            store(towards.direction, shading.towards);
-        }
         for (int k = 0; k < lobes; ++k) {
-            const Lobe &lobe = surface.lobe[k];
-            Real weight = 0.0F;
-            pack_lobe(lobe, surface.tangents, shading);
-            for_both_facets(surface, lobe, shading, [&](Mask these) {
-                weigh_gloss(shading);
-                weight = pick(these, Real::load_aligned(shading.plain), weight);
-            });
-            const Real gloss = weight * towards.irradiance + NOTHING;
-            all.gloss[k] = all.gloss[k] + gloss;
-            sum.gloss[k] = sum.gloss[k] + gloss * visible;
+            const Sampled gloss =
+                sampled(frame, surface, surface.lobe[k], light, from, u, v, towards, visible, shading);
+            all.gloss[k] = all.gloss[k] + gloss.worth + NOTHING;
+            sum.gloss[k] = sum.gloss[k] + (gloss.worth + NOTHING) * gloss.visible;
         }
+    };
+    for (const ShadowSample &sample : packet.shadows) {
+        const Real u = Real::load_aligned(sample.u), v = Real::load_aligned(sample.v);
+        add(beside(surface, start, ray_through(frame, u, v)), Real::load_aligned(sample.light_u),
+            Real::load_aligned(sample.light_v));
+    }
+    if (packet.shadows.empty()) {
+        add(start, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
     }
     sum.diffuse = sum.diffuse / all.diffuse;
     for (int k = 0; k < lobes; ++k) {

@@ -50,6 +50,14 @@ inline Real sent_along(const LightView &light, Real cosine) {
                : max(cosine, 0.0F) * LightsText().spread_fade(cosine, light.spread_cotangent);
 }
 
+// The same for all of a patch around a sample. Where what shines at a point would slip through between samples, a
+// sample's light spreads as wide as two radii of its patch, and loses as much by it. `height`: above the lamp's plane.
+inline Real patch_fade(const LightView &light, Real cosine, Real height, float patch) {
+    const Real steep = light.spread_cotangent / max(height, 1e-9F);
+    const Real lower = 1.0F / max(4.0F * 0.318309886F * patch * steep * steep, 1.0F);
+    return lower * LightsText().spread_fade(cosine, light.spread_cotangent * sqrt(lower));
+}
+
 // What one of the light's samples brings to a point, as a share of falloff_of().
 inline Real sample_share(const LightView &light, const glm::vec3 &sample, const vec3 &world) {
     const float count = static_cast<float>(light.samples.size());
@@ -63,7 +71,10 @@ inline Real sample_share(const LightView &light, const glm::vec3 &sample, const 
     const float patch = light.area / count;
     const Real distance2 = dot(from_sample, from_sample);
     const Real cosine = dot(from_sample, broadcast(light.direction)) / sqrt(max(distance2, 1e-20F));
-    const Real sent = sent_along(light, cosine);
+    const Real sent =
+        light.spread_cotangent > 0.0F
+            ? max(cosine, 0.0F) * patch_fade(light, cosine, dot(from_sample, broadcast(light.direction)), patch)
+            : sent_along(light, cosine);
     // A patch of the light as large as a sample stands for is nowhere nearer than its own radius.
     return sent * patch / ((distance2 + patch * 0.318F) * falloff_of(light, from_middle));
 }
@@ -81,7 +92,7 @@ inline Plane plane_across(const vec3 &n) {
 }
 
 // A point on a light as a surface sees it, and the irradiance that the whole light would bring to a surface that faces
-// this way if all of the light were like this point.
+// this way if all of the light were like this point, which is taken as often as others or, before a grid, oftener.
 struct Towards {
     vec3 direction;
     Real distance;
@@ -90,13 +101,45 @@ struct Towards {
 
 constexpr float ALMOST = 0.9999F; // of the way to a light: short of the light itself, should it have a mesh
 
-inline Towards towards_place(const LightView &light, const vec3 &point, const vec3 &place) {
+inline Towards towards_place(const LightView &light, const vec3 &point, const vec3 &place, Real area) {
     const vec3 to_light = place - point;
     const Real distance2 = max(dot(to_light, to_light), 1e-20F);
     const Real distance = sqrt(distance2);
     const vec3 direction = to_light * (1.0F / distance);
     const Real cosine = -dot(direction, broadcast(light.direction));
-    return {direction, distance * ALMOST, sent_along(light, cosine) * light.area / distance2};
+    return {direction, distance * ALMOST, sent_along(light, cosine) * area / distance2};
+}
+
+// A point on a lamp with a grid before it, in half axes, as likely as the grid lets it shine at the point; and the area
+// that it stands for, of the lamp's.
+struct OnPlate {
+    Real x, y, share;
+};
+
+// What a point below a lamp with a grid before it gets from the lamp comes out of a disk on its plane, around the
+// point's foot: all in half axes.
+struct SpreadDisk {
+    Real foot_x, foot_y, radius_x, radius_y;
+};
+
+// The light of a point spreads to a disk; so does, on the lamp's plane, what shines at a point.
+inline Real spread_radius(const LightView &light, Real height) {
+    return max(height, 0.0F) * (1.0F / light.spread_cotangent);
+}
+
+inline SpreadDisk spread_disk(const LightView &light, Real height, Real foot_x, Real foot_y) {
+    const Real radius = spread_radius(light, height);
+    return {foot_x, foot_y, radius * (1.0F / glm::length(light.across)), radius * (1.0F / glm::length(light.up))};
+}
+
+inline OnPlate within_spread(const LightView &light, const SpreadDisk &disk, const LightsText::DensityPoint &x,
+                             Real v) {
+    const bool ellipse = light.kind == LightKind::ELLIPSE;
+    const Real chord = ellipse ? sqrt(max(1.0F - x.place * x.place, 1e-6F)) : Real(1.0F);
+    const Real aside = (x.place - disk.foot_x) / max(disk.radius_x, 1e-9F);
+    const Real radius = disk.radius_y * sqrt(max(1.0F - aside * aside, 1e-6F));
+    const auto y = LightsText().tent_point(v, -chord, chord, disk.foot_y, radius);
+    return {x.place, y.place, x.length * y.length * (ellipse ? 0.318309886F : 0.25F)};
 }
 
 inline Towards sample_towards(const LightView &light, const vec3 &point, Real u, Real v) {
@@ -104,7 +147,20 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
         const auto &c = light.corners;
         return towards_place(
             light, point,
-            LightsText().point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v));
+            LightsText().point_on_quad(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), u, v),
+            light.area);
+    }
+    if (light.spread_cotangent > 0.0F) {
+        const vec3 offset = point - broadcast(light.position);
+        const auto foot = [&offset](const glm::vec3 &axis) {
+            return dot(offset, broadcast(axis)) * (1.0F / glm::dot(axis, axis));
+        };
+        const Real height = dot(offset, broadcast(light.direction));
+        const SpreadDisk disk = spread_disk(light, height, foot(light.across), foot(light.up));
+        const auto x = LightsText().tent_point(u, -1.0F, 1.0F, disk.foot_x, disk.radius_x);
+        const OnPlate on = within_spread(light, disk, x, v);
+        const vec3 place = broadcast(light.position) + broadcast(light.across) * on.x + broadcast(light.up) * on.y;
+        return towards_place(light, point, place, on.share * light.area);
     }
     const Real a = 2.0F * u - 1.0F, b = 2.0F * v - 1.0F;
     const LightsText::DiskPoint disk = LightsText().point_on_disk(a, b);
@@ -138,7 +194,7 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
     const bool ellipse = light.kind == LightKind::ELLIPSE;
     const vec3 there = broadcast(light.position) + broadcast(light.across) * (ellipse ? x : a) +
                        broadcast(light.up) * (ellipse ? y : b);
-    return towards_place(light, point, there);
+    return towards_place(light, point, there, light.area);
 }
 
 } // namespace

@@ -35,6 +35,7 @@ struct Receiver {
         return m;
     }
 
+    [[nodiscard]] vec3 world(const vec3 &v) const { return tangent * v.x + bitangent * v.y + normal * v.z; }
     [[nodiscard]] vec3 local(const vec3 &v) const { return {dot(v, tangent), dot(v, bitangent), dot(v, normal)}; }
 
     static vec3 load(const float (&v)[3][MAX_LANES]) {
@@ -81,21 +82,25 @@ struct Facets {
     static Sent scaled(const Sent &sent, Real by) { return {sent.plain * by, sent.fresnel * by}; }
 };
 
-// A lamp as a plate with a light's outline, its axes in the surface's frame.
+// What a point sees of a light as a plate, its axes in the surface's frame: a lamp itself, or of suns and spheres the
+// disk at distance 1 that hides as much.
 struct Plate {
     vec3 middle, across, up, direction; // half axes
     bool ellipse;
 };
 
-Plate plate_of(const Receiver &r, const LightView &light, const vec3 &middle) {
-    if (light.kind != LightKind::SPHERE) {
-        return {r.local(middle), r.local(broadcast(light.across)), r.local(broadcast(light.up)),
-                r.local(broadcast(light.direction)), light.kind == LightKind::ELLIPSE};
+Plate plate_of(const Receiver &r, const LightView &light, const vec3 &from) {
+    if (light.kind == LightKind::RECTANGLE || light.kind == LightKind::ELLIPSE) {
+        return {r.local(broadcast(light.position) - from), r.local(broadcast(light.across)),
+                r.local(broadcast(light.up)), r.local(broadcast(light.direction)), light.kind == LightKind::ELLIPSE};
     }
-    // The disk that a sphere shows to the surface.
+    const vec3 middle = light.parallel() ? broadcast(-light.direction) : broadcast(light.position) - from;
+    const Real distance2 = max(dot(middle, middle), 1e-20F);
+    const Real sine2 = min(light.radius * light.radius / (distance2 + light.facing2), 1.0F - LOWEST_SUN * LOWEST_SUN);
+    const Real tangent = sqrt(sine2 / (1.0F - sine2));
     const vec3 direction = normalised(-r.local(middle));
     const Plane plane = plane_across(direction);
-    return {r.local(middle), plane.x * Real(light.radius), plane.y * Real(light.radius), direction, true};
+    return {-direction, plane.x * tangent, plane.y * tangent, direction, true};
 }
 
 // Where a narrow lobe sees a plate: the middle of what it sees, in half axes, and how wide that is, in metres.
@@ -103,8 +108,12 @@ struct Spotlight {
     Real x, y, width;
 };
 
+Real longest2(const Plate &plate) {
+    return max(dot(plate.across, plate.across), dot(plate.up, plate.up));
+}
+
 Spotlight all_of(const Plate &plate) {
-    return {0.0F, 0.0F, 100.0F * sqrt(max(dot(plate.across, plate.across), dot(plate.up, plate.up)))};
+    return {0.0F, 0.0F, 100.0F * sqrt(longest2(plate))};
 }
 
 Spotlight seen_by_gloss(const Receiver &r, const Plate &plate) {
@@ -126,52 +135,125 @@ struct Node {
     Real place, length;
 };
 
-Node node_between(Real low, Real high, Real width, float share) {
+Node node_between(Real low, Real high, Real width, Real share) {
     const Real w2 = width * width;
     const Real u0 = low / sqrt(w2 + low * low), u1 = high / sqrt(w2 + high * high);
     const Real u = u0 + (u1 - u0) * share, left = max(1.0F - u * u, 1e-6F), scale = width / sqrt(left);
     return {u * scale, (u1 - u0) * scale / left};
 }
 
-// A lamp dims each of its points by the direction in which that sends its light: by the grid before it, or by the rim
-// of its cone. No closed form knows of it: what the surface makes of the whole lamp is multiplied by the mean over
-// points, each weighed by what it is worth to the surface. The points are where the surface looks.
-template <typename Fade, typename Worth>
-Real mean_fade(const Plate &plate, const Spotlight &seen, const Fade &fade, const Worth &worth) {
-    constexpr int SIDE = 6;
+vec3 one_of(Mask first, const vec3 &a, const vec3 &b) {
+    return {pick(first, a.x, b.x), pick(first, a.y, b.y), pick(first, a.z, b.z)};
+}
+
+// A part of a plate, and where the shares u and v of what a lobe sees of it end.
+struct Patch {
+    vec3 towards;
+    Real distance, cosine; // cosine: to the plate's direction
+    Real area;             // of the plate, for all of u and v
+};
+
+Patch patch_at(const Plate &plate, Real x, Real y, Real area) {
+    const vec3 there = plate.middle + plate.across * x + plate.up * y;
+    const Real distance = sqrt(max(dot(there, there), 1e-20F));
+    const vec3 towards = there * (1.0F / distance);
+    return {towards, distance, max(-dot(towards, plate.direction), 0.0F), area};
+}
+
+Patch patch_seen(const Plate &plate, const Spotlight &seen, Real u, Real v) {
     const Real length_x = sqrt(dot(plate.across, plate.across)), length_y = sqrt(dot(plate.up, plate.up));
+    const Node x = node_between((-1.0F - seen.x) * length_x, (1.0F - seen.x) * length_x, seen.width, u);
+    const Real at_x = seen.x + x.place / length_x;
+    const Real chord = plate.ellipse ? sqrt(max(1.0F - at_x * at_x, 1e-6F)) : Real(1.0F);
+    const Real width = sqrt(seen.width * seen.width + x.place * x.place);
+    const Node y = node_between((-chord - seen.y) * length_y, (chord - seen.y) * length_y, width, v);
+    return patch_at(plate, at_x, seen.y + y.place / length_y, x.length * y.length);
+}
+
+// Of a lamp with a grid before it, what shines at the surface.
+Patch patch_shining(const LightView &light, const Plate &plate, Real u, Real v) {
+    const auto foot = [&plate](const vec3 &axis) { return -dot(plate.middle, axis) / dot(axis, axis); };
+    const Real height = -dot(plate.middle, plate.direction);
+    const SpreadDisk disk = spread_disk(light, height, foot(plate.across), foot(plate.up));
+    // Evenly across: of a tent's nodes the outermost would count for too much.
+    const Real low = clamp(disk.foot_x - disk.radius_x, -1.0F, 1.0F);
+    const Real length = clamp(disk.foot_x + disk.radius_x, -1.0F, 1.0F) - low;
+    const OnPlate on = within_spread(light, disk, {low + length * u, length}, v);
+    return patch_at(plate, on.x, on.y, on.share * light.area);
+}
+
+// Whether what of a lamp with a grid before it shines at the surface is but a part of it.
+Mask shines_in_part(const LightView &light, const Plate &plate) {
+    if (light.spread_cotangent <= 0.0F) {
+        return Mask(false);
+    }
+    const Real radius = spread_radius(light, -dot(plate.middle, plate.direction));
+    return radius * radius < longest2(plate);
+}
+
+// Whether a lobe sees but a part of that.
+Mask is_narrow(const LightView &light, const Plate &plate, const Spotlight &seen) {
+    const Mask within_plate = seen.width * seen.width < longest2(plate);
+    return light.spread_cotangent > 0.0F
+               ? within_plate & (seen.width < spread_radius(light, -dot(plate.middle, plate.direction)))
+               : within_plate;
+}
+
+Patch one_of(Mask first, const Patch &a, const Patch &b) {
+    return {one_of(first, a.towards, b.towards), pick(first, a.distance, b.distance), pick(first, a.cosine, b.cosine),
+            pick(first, a.area, b.area)};
+}
+
+// What a light sends to a surface in a direction, of what it would without a grid before it or the rim of its cone.
+Real fade_of(const LightView &light, const Receiver &r, const Patch &patch) {
+    if (light.kind == LightKind::SPHERE && light.cone_cosine > -1.0F) {
+        return spot_share_along(light, -dot(patch.towards, r.local(broadcast(light.direction))));
+    }
+    return light.spread_cotangent > 0.0F ? LightsText().spread_fade(patch.cosine, light.spread_cotangent) : Real(1.0F);
+}
+
+// A lamp dims each of its points by the direction in which that sends its light. No closed form knows of it: what the
+// surface makes of the whole lamp, `whole`, is multiplied by the mean over points, each weighed by what it is worth to
+// the surface. The points are where the surface looks; or, in lanes of `part`, where the light comes from, and then
+// they are all there is of it.
+template <typename Worth>
+Real dimmed(const Receiver &r, const LightView &light, const Plate &plate, const Spotlight &seen, Mask part, Real whole,
+            const Worth &worth) {
+    constexpr int SIDE = 6;
     Real weights = 1e-30F, sum = 0.0F;
     for (int i = 0; i < SIDE; ++i) {
         const float column = (static_cast<float>(i) + 0.5F) / SIDE;
-        const Node x = node_between((-1.0F - seen.x) * length_x, (1.0F - seen.x) * length_x, seen.width, column);
-        const Real at_x = seen.x + x.place / length_x;
-        const Real chord = plate.ellipse ? sqrt(max(1.0F - at_x * at_x, 1e-6F)) : Real(1.0F);
-        const Real width = sqrt(seen.width * seen.width + x.place * x.place);
         for (int j = 0; j < SIDE; ++j) {
             const float row = (static_cast<float>(j) + 0.5F) / SIDE;
-            const Node y = node_between((-chord - seen.y) * length_y, (chord - seen.y) * length_y, width, row);
-            const vec3 there = plate.middle + plate.across * at_x + plate.up * (seen.y + y.place / length_y);
-            const Real distance2 = max(dot(there, there), 1e-20F);
-            const vec3 towards = there * (1.0F / sqrt(distance2));
-            const Real cosine = max(-dot(towards, plate.direction), 0.0F);
-            const Real weight = worth(towards) * cosine / distance2 * (x.length * y.length);
+            Patch patch = patch_seen(plate, seen, column, row);
+            if (xsimd::any(part)) {
+                patch = one_of(part, patch_shining(light, plate, column, row), patch);
+            }
+            const Real weight = worth(patch.towards) * patch.cosine / (patch.distance * patch.distance) * patch.area;
             weights = weights + weight;
-            sum = sum + weight * fade(towards, cosine);
+            sum = sum + weight * fade_of(light, r, patch);
         }
     }
-    return sum / weights;
+    return pick(part, sum * (1.0F / (SIDE * SIDE)), whole * (sum / weights));
 }
 
-template <typename Fade>
-Real share_left(Dull /*what*/, const Receiver & /*r*/, const Plate &plate, const Fade &fade) {
-    return mean_fade(plate, all_of(plate), fade, [](const vec3 &towards) { return max(towards.z, 0.0F); });
+// Of a whole lamp, what is left of it by its grid or its cone.
+Real left_by(Dull /*what*/, const Receiver &r, const LightView &light, Real whole) {
+    const Plate plate = plate_of(r, light, r.point);
+    return dimmed(r, light, plate, all_of(plate), shines_in_part(light, plate), whole,
+                  [](const vec3 &towards) { return max(towards.z, 0.0F) * 0.318309886F; });
 }
 
-template <int BRDF, typename Fade>
-Real share_left(Facets<BRDF> /*what*/, const Receiver &r, const Plate &plate, const Fade &fade) {
+template <int BRDF>
+Reflection left_by(Facets<BRDF> /*what*/, const Receiver &r, const LightView &light, const Reflection &whole) {
+    const Plate plate = plate_of(r, light, r.point);
+    const Spotlight seen = seen_by_gloss(r, plate);
+    const Mask part = shines_in_part(light, plate) & !is_narrow(light, plate, seen);
     const Microfacets m = r.facets(BRDF);
-    return mean_fade(plate, seen_by_gloss(r, plate), fade,
-                     [&](const vec3 &towards) { return MicrofacetsText().microfacet_reflection(m, towards).plain; });
+    const Real plain = dimmed(r, light, plate, seen, part, whole.plain, [&](const vec3 &towards) {
+        return MicrofacetsText().microfacet_reflection(m, towards).plain;
+    });
+    return {plain, whole.fresnel * (plain / max(whole.plain, 1e-30F))};
 }
 
 template <class What>
@@ -198,26 +280,29 @@ typename What::Sent sent_by(What what, const Receiver &r, const LightView &light
         const Real radius = light.radius / sqrt(1.0F + light.facing2 / distance2);
         const float brightness = 0.318309886F / (light.radius * light.radius);
         const auto whole = what.scaled(what.sphere(r, middle, radius), brightness);
-        if (light.cone_cosine <= -1.0F) {
-            return whole;
-        }
-        const vec3 axis = r.local(broadcast(light.direction));
-        return what.scaled(whole,
-                           share_left(what, r, plate_of(r, light, middle), [&](const vec3 &towards, Real /*cosine*/) {
-                               return spot_share_along(light, -dot(towards, axis));
-                           }));
+        return light.cone_cosine > -1.0F ? left_by(what, r, light, whole) : whole;
     }
     const vec3 across = broadcast(light.across), up = broadcast(light.up);
     auto whole = light.kind == LightKind::RECTANGLE ? what.quad(r, middle - across - up, middle + across - up,
                                                                 middle + across + up, middle - across + up)
                                                     : what.ellipse(r, middle, across, up);
     if (light.spread_cotangent > 0.0F) {
-        whole = what.scaled(
-            whole, share_left(what, r, plate_of(r, light, middle), [&light](const vec3 & /*towards*/, Real cosine) {
-                return LightsText().spread_fade(cosine, light.spread_cotangent);
-            }));
+        whole = left_by(what, r, light, whole);
     }
     return what.scaled(whole, pick(dot(middle, broadcast(light.direction)) < 0.0F, 1.0F, 0.0F));
+}
+
+// Along a direction from a point, short of the light.
+Real reach_of(const LightView &light, const vec3 &from, const vec3 &towards, Real distance) {
+    if (light.kind == LightKind::SUN) {
+        return 1e30F;
+    }
+    if (light.kind == LightKind::SPHERE) {
+        const vec3 to_middle = broadcast(light.position) - from;
+        const Real along = dot(to_middle, towards), aside2 = dot(to_middle, to_middle) - along * along;
+        distance = max(along - sqrt(max(light.radius * light.radius - aside2, 0.0F)), 0.0F);
+    }
+    return distance * ALMOST;
 }
 
 } // namespace
@@ -234,12 +319,33 @@ void shade_gloss(const LightView &light, ShadingPacket &packet) {
     sent.fresnel.store_aligned(packet.fresnel);
 }
 
-void weigh_gloss(ShadingPacket &packet) {
+void look(const LightView &light, ShadingPacket &packet) {
     const Receiver r(packet);
-    MicrofacetsText()
-        .microfacet_reflection(r.facets(packet.beckmann ? BRDF_BECKMANN : BRDF_GGX),
-                               r.local(Receiver::load(packet.towards)))
-        .plain.store_aligned(packet.plain);
+    const vec3 from = Receiver::load(packet.from);
+    vec3 towards = Receiver::load(packet.towards);
+    Real reach = Real::load_aligned(packet.reach), irradiance = Real::load_aligned(packet.irradiance), moved = 0.0F;
+    if (!light.of_mesh() && light.radius > 0.0F) {
+        const Plate usual = plate_of(r, light, r.point), plate = plate_of(r, light, from);
+        const Mask narrow = is_narrow(light, usual, seen_by_gloss(r, usual));
+        const Patch patch = patch_seen(plate, seen_by_gloss(r, plate), Real::load_aligned(packet.light_u),
+                                       Real::load_aligned(packet.light_v));
+        const vec3 there = r.world(patch.towards);
+        towards = one_of(narrow, there, towards);
+        reach = pick(narrow, reach_of(light, from, there, patch.distance), reach);
+        const Real sent = fade_of(light, r, patch) * patch.cosine * patch.area / (patch.distance * patch.distance);
+        irradiance = pick(narrow, sent, irradiance);
+        moved = pick(narrow, 1.0F, 0.0F);
+    }
+    const Real plain =
+        MicrofacetsText()
+            .microfacet_reflection(r.facets(packet.beckmann ? BRDF_BECKMANN : BRDF_GGX), r.local(towards))
+            .plain;
+    (plain * irradiance).store_aligned(packet.worth);
+    towards.x.store_aligned(packet.towards[0]);
+    towards.y.store_aligned(packet.towards[1]);
+    towards.z.store_aligned(packet.towards[2]);
+    reach.store_aligned(packet.reach);
+    moved.store_aligned(packet.moved);
 }
 
 } // namespace sfumato::SFUMATO_ISA

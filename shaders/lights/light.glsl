@@ -62,6 +62,31 @@ float linear_quantile(float u, float a, float b)
   return u * (a + b) / max(a + sqrt(max(a * a + u * (b * b - a * a), 0.0f)), 1e-30f);
 }
 
+// A place of a density, and the length over which it lies there for each share of it: one over the density.
+struct DensityPoint {
+  float place;
+  float length;
+};
+
+// Where between two ends the share u of a tent is reached, which is highest at `middle` and ends at `radius` from there;
+// of a length that no part of the tent reaches, the share of the length.
+DensityPoint tent_point(float u, float low, float high, float middle, float radius)
+{
+  float safe = max(radius, 1e-9f);
+  float a = clamp((low - middle) / safe, -1.0f, 1.0f), b = clamp((high - middle) / safe, -1.0f, 1.0f);
+  // From the side on which less of it lies, so that the thin end of a tent keeps its digits.
+  float side = pick(a + b > 0.0f, -1.0f, 1.0f);
+  float first = pick(a + b > 0.0f, -b, a), last = pick(a + b > 0.0f, -a, b);
+  float start = 0.5f * (1.0f + first) * (1.0f + first), above = max(last, 0.0f), below = 1.0f + min(last, 0.0f);
+  float whole = 0.5f * below * below + above * (1.0f - 0.5f * above) - start;
+  float share = start + u * whole;
+  float at = pick(share < 0.5f, sqrt(2.0f * share) - 1.0f, 1.0f - sqrt(max(2.0f - 2.0f * share, 0.0f)));
+  DensityPoint point;
+  point.place = pick(whole > 0.0f, middle + side * at * safe, low + (high - low) * u);
+  point.length = pick(whole > 0.0f, whole * safe / max(1.0f - abs(at), 1e-4f), high - low);
+  return point;
+}
+
 float parallelogram_area(vec3 x, vec3 y)
 {
   vec3 normal = cross(x, y);

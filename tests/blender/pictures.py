@@ -58,3 +58,28 @@ def beside_cycles(case: str, size: tuple[int, int], samples: int) -> float:
     print("ROW", json.dumps({**row, "cycles": mean, "noise": noise, "seconds": seconds}), flush=True)
     assert noise < 0.005, (case, noise)
     return ours / mean
+
+
+def in_blocks(picture: NDArray[np.float32], side: int) -> NDArray[np.float64]:
+    """The means of blocks of side x side pixels, which divide it, of the colours of a picture (height, width, 4)."""
+    height, width = picture.shape[0] // side, picture.shape[1] // side
+    return picture[..., :3].astype(np.float64).reshape(height, side, width, side, 3).mean(axis=(1, 3))
+
+
+def error_beside_cycles(case: str, size: tuple[int, int], samples: int, side: int = 4) -> float:
+    """The root mean square by which blocks of the picture differ from those in the Cycles of this Blender, in light that
+    nothing passes on, over the latter's, with its noise taken off: from two renders whose random numbers differ."""
+    cycles = bpy.context.scene.cycles
+    cycles.max_bounces, cycles.volume_bounces, cycles.samples = 0, 0, samples
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    ours = in_blocks(render(size), side)
+    first, second = (in_blocks(render(size, "CYCLES"), side) for cycles.seed in (1, 2))
+    theirs, noise = (first + second) / 2.0, float(((first - second) ** 2).mean()) / 4.0
+    whole = float(np.sqrt((theirs**2).mean()))
+    assert whole > 0.0, case
+    error = float(np.sqrt(max(((ours - theirs) ** 2).mean() - noise, 0.0))) / whole
+    print(
+        f"  {case}: {error:.2%}, noise {np.sqrt(noise) / whole:.2%}, means {ours.mean() / theirs.mean():.4f}",
+        flush=True,
+    )
+    return error

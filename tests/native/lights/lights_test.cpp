@@ -3,6 +3,7 @@
 #include "support/reference_scenes.hpp"
 #include "text/lights_text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -169,6 +170,33 @@ TEST(PointOnQuad, SharesTheAreaEvenly) {
     EXPECT_EQ(LightsText().linear_quantile(0.25F, 1.0F, 1.0F), 0.25F);
     EXPECT_EQ(LightsText().linear_quantile(0.25F, 0.0F, 1.0F), 0.5F);
     EXPECT_EQ(LightsText().linear_quantile(0.0F, 0.0F, 1.0F), 0.0F);
+}
+
+// By the triangles under it: what a tent's share below a place is of that between two ends.
+TEST(TentPoint, ReachesEachShareOfATent) {
+    const auto below = [](double place, double middle, double radius) {
+        const double s = std::clamp((place - middle) / radius, -1.0, 1.0);
+        return s < 0.0 ? 0.5 * (1.0 + s) * (1.0 + s) : 1.0 - 0.5 * (1.0 - s) * (1.0 - s);
+    };
+    for (const float middle : {-1.4F, -1.0F, -0.3F, 0.0F, 0.7F, 1.9F}) {
+        for (const float radius : {0.25F, 1.0F, 40.0F}) {
+            const double first = below(-1.0, middle, radius), whole = below(0.8, middle, radius) - first;
+            for (float u = 0.05F; u < 1.0F; u += 0.1F) {
+                const auto point = LightsText().tent_point(u, -1.0F, 0.8F, middle, radius);
+                EXPECT_TRUE(point.place >= -1.0001F && point.place <= 0.8001F) << point.place;
+                if (whole <= 0.0) {
+                    EXPECT_NEAR(point.place, -1.0F + 1.8F * u, 1e-6F);
+                    EXPECT_NEAR(point.length, 1.8F, 1e-6F);
+                    continue;
+                }
+                const double share = (below(point.place, middle, radius) - first) / whole;
+                // From one side or from the other.
+                EXPECT_NEAR(std::min(std::abs(share - u), std::abs(1.0 - share - u)), 0.0, 2e-3) << middle;
+                const double height = 1.0 - std::abs(double{point.place} - middle) / radius;
+                EXPECT_NEAR(point.length * height / (whole * radius), 1.0, 2e-3) << middle << ", " << radius;
+            }
+        }
+    }
 }
 
 TEST(SpreadFade, LeavesAllWithoutAGridAndNothingBeyondIt) {
