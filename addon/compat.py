@@ -151,6 +151,12 @@ def point_light_habits(light: Any) -> dict[str, bool]:
     return {"facing_disk": old or bool(getattr(light, "use_soft_falloff", False)), "spot_cosine": old}
 
 
+def scale_stretches_cones() -> bool:
+    """Whether the scale of a spot's object stretches its cone in Cycles, as from 4.0 on; that of points and their radius
+    means nothing in any. lamp_scale.py, 'spot 1,2,1': as wide as tall in 3.4.1, 1.75 times as tall in 4.2.23."""
+    return bool(bpy.app.version >= (4, 0, 0))
+
+
 def masks_apart() -> float:
     """1 where Cycles multiplies the two G1 of Smith's masking, as before 4.0; 0 where it correlates them by height. 3.4.1
     against 4.2.23: lights.py, roughness 1."""

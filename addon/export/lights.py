@@ -34,11 +34,12 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
         irradiance = colour * (compat.size_factor(light) * compat.sun_share(light))
         scene.add_sun(forwards, irradiance, min(float(light.angle), 3.1415))
     elif light.type == "AREA":
-        add_area(scene, light, matrix, colour)
+        if add_area(scene, light, matrix, colour):
+            notices.append(f"{thing.name}: its parent's uneven scale skews it; it is shown with right angles")
     else:
-        cone = {"cone": float(light.spot_size), "blend": float(light.spot_blend)} if light.type == "SPOT" else {}
-        # Watts over all directions, though a spot sends them into some.
+        # Watts over all directions, though a spot sends them into some. Its radius knows no scale.
         intensity, habits = colour * compat.size_factor(light) / (4.0 * math.pi), compat.point_light_habits(light)
+        cone = cone_of(light, matrix) if light.type == "SPOT" else {}
         scene.add_point(matrix[:3, 3], intensity, float(light.shadow_soft_size), forwards, **cone, **habits)
     return True
 
@@ -62,23 +63,58 @@ def emission_of(thing: Any, notices: list[str]) -> NDArray[np.float64]:
     return emission
 
 
-def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArray[np.float64]) -> None:
-    """An area light of any of the four shapes."""
+def cone_of(light: Any, matrix: NDArray[np.float64]) -> dict[str, Any]:
+    """The cone of a spot, as add_point takes it."""
+    cone: dict[str, Any] = {"cone": float(light.spot_size), "blend": float(light.spot_blend)}
+    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
+    uneven = bool(np.ptp(lengths) > 1e-5 * lengths.max() and lengths.min() > 0.0)
+    if uneven and compat.scale_stretches_cones():
+        cone["stretch"] = (matrix[:3, :2] / lengths[2]).T
+    return cone
+
+
+def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArray[np.float64]) -> bool:
+    """An area light of any of the four shapes. Whether it is another one, for what uneven scale makes of its axes."""
     ellipse = light.shape in {"DISK", "ELLIPSE"}
     size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
-    across, up = matrix[:3, 0] * 0.5 * light.size, matrix[:3, 1] * 0.5 * size_y
-    if np.linalg.det(matrix[:3, :3]) < 0.0:
-        across = -across  # a mirrored lamp still shines along its own -Z
-    area = (math.pi if ellipse else 4.0) * float(np.linalg.norm(across) * np.linalg.norm(up))
+    axes = matrix[:3, :2] * (0.5 * light.size, 0.5 * size_y)
+    # What Cycles takes for its area, whatever the angle between its axes.
+    whole = (math.pi if ellipse else 4.0) * float(np.prod(np.linalg.norm(axes, axis=0)))
+    axes, is_another = right_angled(axes, matrix[:3, 2], ellipse)
+    area = (math.pi if ellipse else 4.0) * float(np.prod(np.linalg.norm(axes, axis=0)))
     if area < 1e-12:
         raise ValueError(f"its size {light.size:g} x {size_y:g}, scaled, leaves it no area")
     # A grid before it makes it as much brighter as keeps its power.
-    radiance = colour * compat.size_factor(light, area) * compat.radiance_of_watts(area)
+    radiance = colour * compat.size_factor(light, whole) * compat.radiance_of_watts(area)
     spread = min(float(light.spread), math.pi)
     if spread < math.pi - 1e-4:
         tangent = math.tan(0.5 * spread)
         radiance = radiance * (tangent / (tangent - 0.5 * spread))
-    scene.add_area(matrix[:3, 3], across, up, radiance, ellipse, spread)
+    scene.add_area(matrix[:3, 3], *axes.T, radiance, ellipse, spread)
+    return is_another
+
+
+def right_angled(
+    axes: NDArray[np.float64], backwards: NDArray[np.float64], ellipse: bool
+) -> tuple[NDArray[np.float64], bool]:
+    """Half axes (3, 2) of a lamp at right angles to each other and to the way that it does not shine, where their cross
+    product points; and whether it is another lamp for that. An ellipse is the same one between any axes of its plane.
+    """
+    normal = backwards / max(float(np.linalg.norm(backwards)), 1e-30)
+    unit = axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-30)
+    tilted = float(np.abs(normal @ unit).max()) > 1e-3
+    skewed = abs(float(unit[:, 0] @ unit[:, 1])) > 1e-3
+    if tilted or skewed:
+        flat = axes - np.outer(normal, normal @ axes)
+        if ellipse:
+            directions, lengths, _ = np.linalg.svd(flat, full_matrices=False)
+            axes = directions * lengths
+        else:
+            across, up = flat.T
+            axes = np.column_stack([across, up - across * float(across @ up) / max(float(across @ across), 1e-30)])
+    if np.cross(axes[:, 0], axes[:, 1]) @ normal < 0.0:
+        axes = axes * (-1.0, 1.0)  # a mirrored lamp still shines along its own -Z
+    return axes, tilted or (skewed and not ellipse)
 
 
 MOST_POLYGONS = 16

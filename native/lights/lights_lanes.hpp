@@ -25,18 +25,16 @@ inline Real falloff_of(const LightView &light, const vec3 &from_light) {
     return light.parallel() ? Real(1.0F) : LightsText().falloff(dot(from_light, from_light), light.size2);
 }
 
-// In a direction whose cosine to the spot's axis is given.
-inline Real spot_share_along(const LightView &light, Real cosine) {
-    const Real fade = LightsText().spot_fade(cosine, light.cone_cosine, light.blend);
-    return light.spot_cosine ? fade * cosine : fade;
-}
-
 inline Real spot_share(const LightView &light, const vec3 &from_light) {
     if (light.cone_cosine <= -1.0F) {
         return 1.0F;
     }
-    return spot_share_along(light, dot(from_light, broadcast(light.direction)) /
-                                       sqrt(max(dot(from_light, from_light), 1e-20F)));
+    const vec3 axis = broadcast(light.direction);
+    const Real cosine = light.oval
+                            ? LightsText().oval_cosine(from_light, axis, broadcast(light.across), broadcast(light.up))
+                            : dot(from_light, axis) / sqrt(max(dot(from_light, from_light), 1e-20F));
+    const Real fade = LightsText().spot_fade(cosine, light.cone_cosine, light.blend);
+    return light.spot_cosine ? fade * cosine : fade;
 }
 
 // Each part of a sun's disk brings as much to a surface that faces its middle, and more to what faces the part. The

@@ -206,8 +206,8 @@ Patch one_of(Mask first, const Patch &a, const Patch &b) {
 
 // What a light sends to a surface in a direction, of what it would without a grid before it or the rim of its cone.
 Real fade_of(const LightView &light, const Receiver &r, const Patch &patch) {
-    if (light.kind == LightKind::SPHERE && light.cone_cosine > -1.0F) {
-        return spot_share_along(light, -dot(patch.towards, r.local(broadcast(light.direction))));
+    if (light.kind == LightKind::SPHERE) {
+        return spot_share(light, -r.world(patch.towards));
     }
     return light.spread_cotangent > 0.0F ? LightsText().spread_fade(patch.cosine, light.spread_cotangent) : Real(1.0F);
 }

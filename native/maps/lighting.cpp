@@ -124,7 +124,8 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
 Key Lighting::volume_key(std::size_t light, std::size_t own, std::span<const CroppedMedium> media, bool grey) const {
     const LightView &view = views_[light];
     Key key;
-    key.number(static_cast<int>(grey), static_cast<int>(view.kind), static_cast<int>(view.spot_cosine));
+    key.number(static_cast<int>(grey), static_cast<int>(view.kind), static_cast<int>(view.spot_cosine),
+               static_cast<int>(view.oval));
     key.number(view.radius, view.cone_cosine, view.blend, view.facing2, view.spread_cotangent, view.area, view.size2);
     for (const glm::vec3 &v : {view.position, view.direction, view.across, view.up, view.corners[0], view.corners[1],
                                view.corners[2], view.corners[3]}) {

@@ -330,12 +330,14 @@ class Scene:
         blend: float = 0.0,
         facing_disk: bool = False,
         spot_cosine: bool = False,
+        stretch: ArrayLike | None = None,
     ) -> None:
         """Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
         cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in
         over the share blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere
         looks as large as a disk of its radius that faces the eye, and with spot_cosine a spot dims by the cosine
-        to its axis, too.
+        to its axis, too. stretch (2, 3) are two axes across the direction: at a distance, the cone is as many
+        times as wide along each as it is long.
         """
     def add_polygon(self, corners: ArrayLike, radiance: ArrayLike) -> None:
         """Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners (3,

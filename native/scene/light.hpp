@@ -25,11 +25,14 @@ struct Light {
     glm::vec3 direction{0.0F, 0.0F, -1.0F}; // the way the light travels, unit length; of a sphere, its cone's axis
     glm::vec3 position{0.0F};               // of the centre; neither a sun's nor a polygon's
     glm::vec3 across{0.5F, 0.0F, 0.0F};     // half axes of rectangles and ellipses, at right angles to each other and
-    glm::vec3 up{0.0F, 0.5F, 0.0F};         // to the direction
+    glm::vec3 up{0.0F, 0.5F, 0.0F};         // to the direction; of an oval cone, see there
     float angle = 0.0F;                     // of a sun: angular diameter, radians
     float radius = 0.0F;                    // of a sphere
     float cone = 6.2831853F; // of a sphere: the whole angle of its cone, radians; from 2 pi on it is none
     float blend = 0.0F;      // of a sphere: the share of the cone's 1 - cos(angle) over which it fades in
+    // Of a sphere: whether its cone is wider or narrower by way of across and up, in inverse proportion to their
+    // lengths.
+    bool oval = false;
     // Two habits of older renderers, so that a preview means what they will show: a sphere looks as large as a disk
     // that faces the eye, and a spot dims by the cosine to its axis, too.
     bool facing_disk = false;

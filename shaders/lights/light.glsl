@@ -47,6 +47,14 @@ float spot_fade(float cosine, float cosine_of_edge, float blend)
   return t * t * (3.0f - 2.0f * t);
 }
 
+// For a direction of any length, the cosine to the axis of a cone that is round where across and up are unit vectors: half
+// as wide along those that are twice as long.
+float oval_cosine(vec3 along, vec3 axis, vec3 across, vec3 up)
+{
+  float x = dot(along, across), y = dot(along, up), z = dot(along, axis);
+  return z / sqrt(max(x * x + y * y + z * z, 1e-20f));
+}
+
 // A lamp with a grid before it that narrows its light to a whole angle `spread`: what is left in a direction whose
 // cosine to the lamp's axis is given. `cotangent` is that of spread / 2, zero for a lamp without a grid.
 float spread_fade(float cosine, float cotangent)
