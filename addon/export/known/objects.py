@@ -290,7 +290,7 @@ VOLUME_RENDER = Struct(
     named=(Named("clipping", (), "its Clipping of {value} is not followed; all voxels are shown", elsewhere=True),),
     idle={
         "how exactly Cycles marches smoke; ours is the scene's Quality": "step_size",
-        "memory; we keep what the file has": "precision",
+        "how Cycles rounds voxels; we keep what the file has": "precision",
     },
 )
 VOLUME_DISPLAY = Struct(

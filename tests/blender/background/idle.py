@@ -14,7 +14,7 @@ from stage import TABLES, Stage
 
 # Noise and how Cycles deals with it, light that is passed on; and what would change the file or break the test.
 SEEN_IN_CYCLES = ("noise", "pass on", "light of the world", "marches smoke", "denoisers", "guided paths", "artefacts",
-                  "speed", "Freestyle", "writes", "interface")  # fmt: skip
+                  "speed", "rounds", "Freestyle", "writes", "interface")  # fmt: skip
 LAMPS = {"SpotLight": "SPOT", "SunLight": "SUN", "AreaLight": "AREA"}
 
 
