@@ -102,12 +102,6 @@ def casts_shadow(light: Any) -> bool:
     return bool(light.use_shadow if old is None else old)
 
 
-def is_linked(thing: Any) -> bool:
-    """Whether light or shadow linking, of 4.0, says what a light does to what."""
-    linking = getattr(thing, "light_linking", None)
-    return linking is not None and (linking.receiver_collection is not None or linking.blocker_collection is not None)
-
-
 def sample_place() -> float:
     """Where in its cell, counted from the lattice point that OpenVDB gives it, Cycles shows a sample of a Volume object's
     file: in the middle, as Mantaflow means it, or from 5.0 on where OpenVDB has it. volumes.py: half a cell higher in 4.5.15

@@ -80,8 +80,6 @@ class SfumatoEngine(bpy.types.RenderEngine):
         )
         if images is None:
             return None
-        if not settings.render.film_transparent:
-            images["picture"][..., 3] = 1.0
         return passes.pixels_of(wanted, images, view)
 
     def view_update(self, context: Any, depsgraph: Any) -> None:

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
-from . import materials, omissions
+from . import materials, omissions, visibility
+from .visibility import Reach
 
 
-def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list[str]) -> bool:
+def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list[str], reach: Reach) -> bool:
     """Add a light object to a native scene. False if it gives no light. Raises ValueError for one that cannot be."""
     light = thing.data
     if getattr(getattr(light, "cycles", None), "is_portal", False):
@@ -24,23 +25,21 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
     colour = np.maximum(colour, 0.0)
     if not colour.any():
         return False
-    if not compat.casts_shadow(light):
-        notices.append(f"{thing.name}: its Shadow is off, but it casts one")
-    if compat.is_linked(thing):
-        notices.append(f"{thing.name}: its light linking is not followed; it lights everything")
     omissions.of("object", thing, thing.name, notices, "LIGHT")
+    reaches = visibility.native(reach)
     forwards = -matrix[:3, 2]
     if light.type == "SUN":
         irradiance = colour * (compat.size_factor(light) * compat.sun_share(light))
-        scene.add_sun(forwards, irradiance, min(float(light.angle), 3.1415))
+        scene.add_sun(forwards, irradiance, min(float(light.angle), 3.1415), reach=reaches)
     elif light.type == "AREA":
-        if add_area(scene, light, matrix, colour):
+        if add_area(scene, light, matrix, colour, reaches):
             notices.append(f"{thing.name}: its parent's uneven scale skews it; it is shown with right angles")
     else:
         # Watts over all directions, though a spot sends them into some. Its radius knows no scale.
         intensity, habits = colour * compat.size_factor(light) / (4.0 * math.pi), compat.point_light_habits(light)
         cone = cone_of(light, matrix) if light.type == "SPOT" else {}
-        scene.add_point(matrix[:3, 3], intensity, float(light.shadow_soft_size), forwards, **cone, **habits)
+        radius = float(light.shadow_soft_size)
+        scene.add_point(matrix[:3, 3], intensity, radius, forwards, **cone, **habits, reach=reaches)
     return True
 
 
@@ -73,8 +72,8 @@ def cone_of(light: Any, matrix: NDArray[np.float64]) -> dict[str, Any]:
     return cone
 
 
-def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArray[np.float64]) -> bool:
-    """An area light of any of the four shapes. Whether it is another one, for what uneven scale makes of its axes."""
+def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArray[np.float64], reaches: Any) -> bool:
+    """An area light of any of the four shapes, with the native Reach of it, or None. Whether it is another one, for what uneven scale makes of its axes."""
     ellipse = light.shape in {"DISK", "ELLIPSE"}
     size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
     axes = matrix[:3, :2] * (0.5 * light.size, 0.5 * size_y)
@@ -90,7 +89,7 @@ def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArra
     if spread < math.pi - 1e-4:
         tangent = math.tan(0.5 * spread)
         radiance = radiance * (tangent / (tangent - 0.5 * spread))
-    scene.add_area(matrix[:3, 3], *axes.T, radiance, ellipse, spread)
+    scene.add_area(matrix[:3, 3], *axes.T, radiance, ellipse, spread, reach=reaches)
     return is_another
 
 
@@ -121,7 +120,12 @@ MOST_POLYGONS = 16
 
 
 def add_emitters(
-    scene: Any, corners: NDArray[np.float64], radiance: NDArray[np.float64], name: str, notices: list[str]
+    scene: Any,
+    corners: NDArray[np.float64],
+    radiance: NDArray[np.float64],
+    name: str,
+    notices: list[str],
+    reach: Reach,
 ) -> int:
     """Light from triangles (n, 3, 3) that emit (n, 3), on both sides. Returns how many lights they make.
 
@@ -135,7 +139,7 @@ def add_emitters(
         notices.append(f"{name}: it emits, but lights nothing: more than {MOST_POLYGONS} of its faces do")
         return 0
     for polygon, colour in polygons:
-        scene.add_polygon(polygon, colour)
+        scene.add_polygon(polygon, colour, reach=visibility.native(reach))
     return len(polygons)
 
 

@@ -55,6 +55,13 @@ def value_of(node: Any, name: str, owner: str, notices: list[str]) -> Any:
     return value if isinstance(value, (int, float, str)) else np.array(value[:3], dtype=np.float64)
 
 
+def materials_of(thing: Any, depsgraph: Any) -> list[Any]:
+    """Those of an object's slots; or in each of them, or for want of slots, the one that the view layer overrides all by."""
+    override = depsgraph.view_layer_eval.material_override
+    slots = [slot.material for slot in thing.material_slots]
+    return slots if override is None else [override] * max(len(slots), 1)
+
+
 @dataclass
 class Smoke:
     """What a material makes of smoke, per metre and unit density, the grid that it takes for its density, and the one, if
@@ -74,9 +81,9 @@ class Smoke:
         return replace(self, scattering=self.scattering / length, absorption=self.absorption / length)
 
 
-def smoke_of(thing: Any, notices: list[str]) -> Smoke | None:
+def smoke_of(thing: Any, depsgraph: Any, notices: list[str]) -> Smoke | None:
     """How an object's smoke looks, as Cycles reads a Principled Volume; None where Cycles shows nothing."""
-    found = [slot.material for slot in thing.material_slots if slot.material is not None]
+    found = [material for material in materials_of(thing, depsgraph) if material is not None]
     if thing.type == "VOLUME":
         if not found:
             return Smoke(np.full(3, 0.5), np.full(3, 0.5))  # a Principled Volume as it comes
@@ -116,9 +123,9 @@ def _principled_smoke(node: Any, name: str, notices: list[str]) -> Smoke:
     return Smoke(density * colour, absorption, anisotropy, attribute, tint)
 
 
-def background(scene: Any, notices: list[str]) -> NDArray[np.float64]:
-    """The radiance of the world where it is one colour."""
-    world = scene.world
+def background(depsgraph: Any, notices: list[str]) -> NDArray[np.float64]:
+    """The radiance of the world, or the view layer's own, where it is one colour."""
+    world = getattr(depsgraph.view_layer_eval, "world_override", None) or depsgraph.scene.world  # the former since 4.3
     if world is None:
         return np.zeros(3)
     if not compat.uses_nodes(world) or world.node_tree is None:

@@ -7,11 +7,9 @@ Looks at what is cheap to look at: a scene at its defaults costs next to nothing
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable
 from typing import Any
 
 import bpy
-import numpy as np
 
 from .. import compat
 from .known import RENDER, Named, Node, nodes, objects, scenes
@@ -89,7 +87,6 @@ def of_frame(depsgraph: Any, space: Any, notices: list[str]) -> None:
         of("camera", camera.data, camera.name, notices)
     if scene.world is not None:
         _of_world(scene.world, scene.render.film_transparent, notices)
-    _of_collections(depsgraph.view_layer.layer_collection.children, notices)
 
 
 def _of_world(world: Any, unseen: bool, notices: list[str]) -> None:
@@ -103,38 +100,6 @@ def _of_world(world: Any, unseen: bool, notices: list[str]) -> None:
 
 def _looks_through(space: Any) -> bool:
     return space.region_3d is not None and space.region_3d.view_perspective == "CAMERA"
-
-
-def _of_collections(children: Iterable[Any], notices: list[str]) -> None:
-    for child in children:
-        if not child.exclude:
-            of("layer_collection", child, child.name, notices)
-            _of_collections(child.children, notices)
-
-
-# What any of thousands of objects may have, and what all have at the defaults.
-_FLAGS = {named.property: named.neutral[0] for named in objects.OBJECT.named if named.kinds == objects.SHOWN}
-
-
-def of_objects(depsgraph: Any, notices: list[str]) -> None:
-    """The switches of all objects that have surfaces or smoke and are shown."""
-    everything = bpy.data.objects
-    values = np.empty(len(everything), dtype=bool)
-    flagged: set[int] = set()
-    for flag, neutral in _FLAGS.items():
-        everything.foreach_get(flag, values)
-        flagged.update(np.flatnonzero(values != neutral).tolist())
-    # Lamps always are, and are few; to find one by its number is a search.
-    known = everything if len(flagged) < 64 else list(everything)
-    suspects = {known[index].as_pointer() for index in flagged if known[index].type in objects.SHOWN}
-    if not suspects:
-        return
-    for instance in depsgraph.object_instances:
-        thing = instance.object
-        address = thing.original.as_pointer()
-        if address in suspects and instance.show_self:
-            suspects.remove(address)
-            of("object", thing, thing.name, notices, thing.type)
 
 
 def of_surface(thing: Any, glows: bool, depsgraph: Any, notices: list[str]) -> None:

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import lights, materials, meshes, omissions, smoke, surfaces
+from . import lights, materials, meshes, omissions, smoke, surfaces, visibility
 from .parts import Parts
+from .visibility import Reach, Visibility
 
 
 @dataclass
@@ -41,6 +42,37 @@ class _Group:
     material_indices: list[int]
     places: list[int] = field(default_factory=list)
     object_indices: list[int] = field(default_factory=list)
+    reach: dict[int, Reach | None] = field(default_factory=dict)  # of what glows, in each of its places
+
+    def add(self, place: int, thing: Any, flags: visibility.Flags) -> None:
+        self.places.append(place)
+        self.object_indices.append(thing.pass_index)
+        if self.triangles is not None:
+            self.reach[place] = flags.reach_of(thing)
+
+    def divided(self, seen: dict[int, Visibility]) -> dict[tuple[Visibility | None, Reach | None], list[int]]:
+        """The numbers of its places by what these are to the camera and to lights, and what they light."""
+        if not seen and not self.reach:
+            return {(None, None): list(range(len(self.places)))}
+        kinds: dict[tuple[Visibility | None, Reach | None], list[int]] = {}
+        for number, place in enumerate(self.places):
+            kinds.setdefault((seen.get(place), self.reach.get(place)), []).append(number)
+        return kinds
+
+
+def _visibilities(
+    depsgraph: Any, flags: visibility.Flags, groups: list[_Group], smoke_places: set[int]
+) -> dict[int, Visibility]:
+    """What places are to the camera and to lights, if any of them may not be plain: by then all lights are known."""
+    found: dict[int, Visibility] = {}
+    if flags.matter:
+        surface_places = {place for group in groups for place in group.places}
+        for number, instance in enumerate(depsgraph.object_instances):
+            if number in surface_places:
+                found[number] = flags.visibility_of(instance)
+            elif number in smoke_places:
+                found[number] = flags.of_smoke(instance)
+    return found
 
 
 def filter_of(space: Any) -> tuple[Any, ...]:
@@ -69,7 +101,9 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
     out = Export(core.module().Scene())
     looks: list[str] = [] if smoke_alone else out.notices
     lit = 0
-    media: list[tuple[str, smoke.Medium]] = []
+    layer = depsgraph.view_layer_eval
+    flags = visibility.Flags(depsgraph, out.notices)
+    media: list[tuple[int, str, smoke.Medium]] = []
     groups: dict[tuple[int, int], _Group | None] = {}
     shown, matrices = compat.instance_matrices(depsgraph)
     filtered = bool(filter_of(space))
@@ -83,22 +117,24 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
         if key in groups:
             group = groups[key]
             if group is not None:
-                group.places.append(number)
-                group.object_indices.append(thing.pass_index)
+                group.add(number, thing, flags)
             continue
         try:
             if thing.type == "LIGHT":
-                lit += lights.add_light(out.scene, thing, matrices[number], out.notices)
+                reach = flags.reach_of(thing)
+                if reach is not None:
+                    lit += lights.add_light(out.scene, thing, matrices[number], out.notices, reach)
+                continue
+            if not (layer.use_volumes if thing.type == "VOLUME" else layer.use_solid):
                 continue
             medium = smoke.medium_of(thing, matrices[number], depsgraph, parts, out.notices)
             if medium is not None:
                 omissions.of_smoke(thing, out.notices)
-                media.append((thing.name, medium))
+                media.append((number, thing.name, medium))
             elif thing.type in meshes.SURFACE_TYPES:
                 groups[key] = group = _group_of(thing, depsgraph, parts, looks)
                 if group is not None:
-                    group.places.append(number)
-                    group.object_indices.append(thing.pass_index)
+                    group.add(number, thing, flags)
                     if not omissions.lies_over(space):
                         omissions.of_surface(thing, group.triangles is not None, depsgraph, out.notices)
             elif not omissions.lies_over(space):
@@ -108,18 +144,20 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
             out.notices.append(f"{thing.name}: {error}")
             if isinstance(error, smoke.Missing):
                 out.missing.append(out.notices[-1])
-    for group in groups.values():
-        if group is not None:
-            lit += add_surfaces(out, group, matrices[group.places])
+    solids = [group for group in groups.values() if group is not None]
+    seen = _visibilities(depsgraph, flags, solids, {number for number, *_ in media})
+    for group in solids:
+        for kind, which in group.divided(seen).items():
+            lit += add_surfaces(out, group, which, matrices, *kind)
     if lit == 0:
         out.notices.append("No light: nothing is lit. Add one, or raise its strength")
     if lit > MOST_LIGHTS:
         out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
-    add_media(out, media)
+    add_media(out, [(name, medium, seen.get(number)) for number, name, medium in media])
     omissions.of_frame(depsgraph, space, out.notices)
-    omissions.of_objects(depsgraph, out.notices)
     if not depsgraph.scene.render.film_transparent:
-        out.scene.set_background(materials.background(depsgraph.scene, looks))
+        world = materials.background(depsgraph, looks) if layer.use_sky else (0.0, 0.0, 0.0)
+        out.scene.set_background(world, alpha=1.0)
     parts.end_export()
     return out
 
@@ -158,21 +196,31 @@ def _group_key(thing: Any) -> tuple[int, int]:
 
 def _group_of(thing: Any, depsgraph: Any, parts: Parts, notices: list[str]) -> _Group | None:
     """The surfaces of an object, without a place as yet; None where it has none."""
-    found = surfaces.surfaces(thing, notices)
+    found = surfaces.surfaces(thing, depsgraph, notices)
     if found is None:
         return None
     mesh = meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts)
     if mesh is None:
         return None
     glows = any(surface.emission.any() for surface in found)
-    indices = [slot.material.pass_index if slot.material else 0 for slot in thing.material_slots] or [0]
+    shown = materials.materials_of(thing, depsgraph)
+    indices = [material.pass_index if material else 0 for material in shown] or [0]
     return _Group(thing.name, mesh, found, meshes.triangles_of(thing, len(found)) if glows else None, indices)
 
 
-def add_surfaces(out: Export, group: _Group, places: NDArray[np.float64]) -> int:
-    """The triangles of an object in all its places (n, 4, 4). Returns how many lights those that emit are."""
+def add_surfaces(
+    out: Export,
+    group: _Group,
+    which: list[int],
+    matrices: NDArray[np.float64],
+    seen: Visibility | None,
+    reach: Reach | None,
+) -> int:
+    """The triangles of an object in those of its places that are alike, of all `matrices` (n, 4, 4). Returns how many
+    lights those that emit are."""
+    places = matrices[[group.places[number] for number in which]]
     usable = np.isfinite(places).all(axis=(1, 2))
-    indices = np.array(group.object_indices, dtype=np.float64)[usable]
+    indices = np.array([group.object_indices[number] for number in which], dtype=np.float64)[usable]
     if not usable.all():
         out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
         places = places[usable]
@@ -187,37 +235,43 @@ def add_surfaces(out: Export, group: _Group, places: NDArray[np.float64]) -> int
             diffuse=surfaces.diffuse_kinds(group.surfaces),
             object_index=indices,
             material_index=np.array(group.material_indices, dtype=np.float64),
+            visibility=visibility.native(seen),
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")
         return 0
     read = group.triangles
-    if read is None:
+    if read is None or reach is None:
         return 0
     radiance = emission[0 if read.material is None else read.material]
     lit = 0
     for matrix in places:
         corners = (read.vertices @ matrix[:3, :3].T + matrix[:3, 3])[read.triangles]
         each = np.broadcast_to(radiance, (len(corners), 3))
-        lit += lights.add_emitters(out.scene, corners, each, group.name, out.notices)
+        lit += lights.add_emitters(out.scene, corners, each, group.name, out.notices, reach)
     return lit
 
 
-def add_media(out: Export, media: list[tuple[str, smoke.Medium]]) -> None:
+def add_media(out: Export, media: list[tuple[str, smoke.Medium, Visibility | None]]) -> None:
     """The bodies of smoke; where there are too many, those with the most in them."""
     media = sorted(media, key=lambda entry: entry[1].amount, reverse=True)
-    for name, _ in media[MOST_BODIES:]:
+    for name, *_ in media[MOST_BODIES:]:
         out.notices.append(f"{name}: only {MOST_BODIES} bodies of smoke are shown; this one has the least in it")
     if len(media) > MOST_MEDIA:
-        kept = ", ".join(name for name, _ in media[:MOST_MEDIA])
+        kept = ", ".join(name for name, *_ in media[:MOST_MEDIA])
         out.notices.append(
             f"{len(media)} bodies of smoke: the viewport draws the {MOST_MEDIA} with the most in them, {kept}; "
             "renders, and shadows on surfaces, have all"
         )
-    for number, (name, medium) in enumerate(media[:MOST_BODIES]):
+    for number, (name, medium, seen) in enumerate(media[:MOST_BODIES]):
         try:
             out.scene.add_medium(
-                medium.grid, medium.grid_to_world, medium.scattering, medium.absorption, medium.anisotropy
+                medium.grid,
+                medium.grid_to_world,
+                medium.scattering,
+                medium.absorption,
+                medium.anisotropy,
+                visibility=visibility.native(seen),
             )
             out.drawn |= {name} if number < MOST_MEDIA else set()
         except ValueError as error:

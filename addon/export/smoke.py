@@ -55,7 +55,7 @@ def medium_of(
         return None
     if abs(float(np.linalg.det(matrix[:3, :3]))) < 1e-12:
         raise ValueError(f"its scale {np.linalg.norm(matrix[:3, :3], axis=0).tolist()} leaves the smoke no room")
-    smoke = materials.smoke_of(thing, notices)
+    smoke = materials.smoke_of(thing, depsgraph, notices)
     if smoke is None:
         return None
     if settings is not None:

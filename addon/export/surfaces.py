@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import compat
 from . import omissions
-from .materials import active_output, linked_node, value_of
+from .materials import active_output, linked_node, materials_of, value_of
 
 PLAIN_GREY = (0.8, 0.8, 0.8)
 MOST_LAYERS = 4
@@ -291,9 +291,9 @@ def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
     return Surface(np.array(material.diffuse_color[:3]))
 
 
-def surfaces(thing: Any, notices: list[str]) -> list[Surface] | None:
+def surfaces(thing: Any, depsgraph: Any, notices: list[str]) -> list[Surface] | None:
     """One for each material slot; None for an object without any surface."""
-    slots = [slot.material for slot in thing.material_slots] or [None]
+    slots = materials_of(thing, depsgraph) or [None]
     found = [surface_of(material, thing.name, notices) for material in slots]
     if all(surface is None for surface in found):
         return None

@@ -75,7 +75,7 @@ class Smoke:
         lights = np.asarray(frame.lights)[:MOST_LIGHTS]
         self.lights = len(lights)
         self.textures: dict[str, Any] = {}
-        self.colours = 3 if any(np.ptp(medium.extinction) > 0.0 for medium in frame.media) else 1
+        self.colours = 1 if frame.grey else 3
         self.media = max(1, len(media))
         tints = [medium.tint for medium in media]
         self.tinted = any(tint is not None for tint in tints)

@@ -42,6 +42,10 @@ class Look:
             return "radiance"
         return "smoke_shadow" if self.solids_shade else "all_shadows"
 
+    def by_processor(self, frame: Any) -> bool:
+        """Whether the whole picture is: the surfaces that a GPU marches up to have no alpha of their own."""
+        return not (self.overlay or frame.opaque)
+
     def moves_to(self, other: Look) -> bool:
         """Whether only the camera is another."""
         return self != other and replace(self, matrix=other.matrix) == other
@@ -111,6 +115,9 @@ class Painter:
     def _make_picture(self, view: _View, frame: Any, look: Look, refined: Any, spacing: int) -> Picture:
         """With a spacing above 1, at a glance."""
         camera = look.camera()
+        if look.by_processor(frame):
+            image = frame.glance(camera, *look.size, spacing=spacing) if refined is None else refined
+            return Picture(frame, look, refined is not None, texture(look.size, "RGBA", image), None, None)
         if spacing > 1 and self.software:
             return _at_a_glance(frame, look, spacing)
         if refined is not None:

@@ -54,7 +54,7 @@ _stopping: list[_Refinement] = []  # replaced, and not yet at the next question 
 
 
 def ask(view: Any, subject: tuple[Any, ...], trace: Callable[[Progress], Any]) -> None:
-    """Have `trace`, a Frame.surfaces that lacks only its progress, called once the view has rested. `view` is the
+    """Have `trace`, a Frame.surfaces or render that lacks only its progress, called once the view has rested. `view` is the
     region's address. Asking for the same subject again changes nothing; another one takes its place."""
     known = _views.get(view)
     if known is not None and known.subject == subject:

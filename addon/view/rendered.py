@@ -31,7 +31,10 @@ def picture_of(context: bpy.types.Context, frame: Any, look: Look) -> Picture:
     log.took(frame.stages)
     if not picture.refined:
         samples = props.QUALITIES[props.of(context.scene).quality].edge_samples
-        trace = partial(frame.surfaces, look.camera(), *look.size, look.output, samples)
+        if look.by_processor(frame):
+            trace = partial(frame.render, look.camera(), *look.size, samples)
+        else:
+            trace = partial(frame.surfaces, look.camera(), *look.size, look.output, samples)
         refinement.ask(view, (frame, look), trace)
     return picture
 

@@ -21,7 +21,8 @@ using RaysText = text::RaysText<float>;
 Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<Prepared> prepared,
              const InstructionSet &with)
     : instruction_set_(&with), prepared_(std::move(prepared)), clock_(std::make_unique<StageClock>()),
-      step_length_(1.0 / settings.steps_per_cell), background_(scene.background) {
+      step_length_(1.0 / settings.steps_per_cell), background_(scene.background),
+      background_alpha_(scene.background_alpha) {
     const std::lock_guard making(prepared_->making);
     content_ = prepared_->arena.execute([&] { return content_of({scene, settings, with, *prepared_}, *clock_); });
     prepared_->end_round();
@@ -36,8 +37,10 @@ FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) c
     view.surfaces = content_.surfaces->view();
     view.lights = content_.lighting.views();
     view.media = media;
+    view.seen_media = media.first(content_.seen_media);
     view.grey = content_.grey;
     view.background = background_;
+    view.background_alpha = background_alpha_;
     return view;
 }
 

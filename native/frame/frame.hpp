@@ -49,7 +49,10 @@ public:
     void transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const;
 
     [[nodiscard]] std::span<const CroppedMedium> media() const { return content_.media; }
+    [[nodiscard]] std::size_t seen_media() const { return content_.seen_media; } // which come first
     [[nodiscard]] const Lighting &lighting() const { return content_.lighting; }
+    // Whether every surface has an alpha of 1.
+    [[nodiscard]] bool opaque() const { return content_.surfaces->opaque() || background_alpha_ == 1.0F; }
     [[nodiscard]] bool grey() const { return content_.grey; }
     [[nodiscard]] double step_length() const { return step_length_; } // cells
     // What ran so far, and how long that took.
@@ -65,6 +68,7 @@ private:
     std::unique_ptr<StageClock> clock_;
     double step_length_;
     glm::vec3 background_;
+    float background_alpha_;
     Content content_;
 };
 

@@ -15,7 +15,7 @@ struct Behind {
 } // namespace
 
 void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers) {
-    const bool smoky = wanted.has(Layer::SMOKE) && !view.media.empty();
+    const bool smoky = wanted.has(Layer::SMOKE) && !view.seen_media.empty();
     const bool overlay = wanted.overlay();
     if (!smoky && wanted.has(Layer::SMOKE_ALONE)) {
         for (std::size_t c = 0; c < 3; ++c) {
@@ -35,8 +35,10 @@ void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers
             left += surface * smoke.through;
             through += smoke.through;
         }
-        const bool opaque = layers.hit[lane] > 0.0F || overlay || !smoky;
-        layers.picture[3][lane] = opaque ? layers.hit[lane] : 1.0F - through * (1.0F / 3.0F);
+        const float cover = wanted.has(Layer::RADIANCE) ? layers.cover[lane] : layers.hit[lane];
+        left += layers.caught[lane] * through;
+        const bool opaque = cover == 1.0F || overlay || !smoky;
+        layers.picture[3][lane] = opaque ? cover : 1.0F - through * (1.0F / 3.0F) * (1.0F - cover);
         layers.seen[lane] = smoky ? left * (1.0F / 3.0F) / std::max(layers.open[lane], 1e-20F) : 1.0F;
     }
 }

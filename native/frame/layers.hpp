@@ -29,8 +29,10 @@ struct FrameView {
     SurfaceView surfaces;
     std::span<const LightView> lights;
     std::span<const MediumView> media;
-    bool grey = true; // all extinctions are: one march serves all colours
+    std::span<const MediumView> seen_media; // by the camera: the first of them
+    bool grey = true;                       // all extinctions are: one march serves all colours
     glm::vec3 background{0.0F};
+    float background_alpha = 0.0F;
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most
     Mist mist;                    // where that is asked for
 };
@@ -105,6 +107,8 @@ struct PassLayers {
 struct Layers {
     // Surfaces: the first on each ray.
     alignas(64) float hit[MAX_LANES];        // 1, or 0 where there is none
+    alignas(64) float cover[MAX_LANES];      // the alpha of what lies behind the smoke
+    alignas(64) float caught[MAX_LANES];     // by a catcher: the mean share of its light that others take; else 0
     alignas(64) float distance[MAX_LANES];   // to it, or the ray's reach
     alignas(64) float surface[3][MAX_LANES]; // the layer that is asked for
     alignas(64) float open[MAX_LANES]; // the mean of the colours of the radiance, were there no smoke; or of the share
@@ -113,7 +117,7 @@ struct Layers {
     alignas(64) float smoke[3][MAX_LANES];
     alignas(64) float through[3][MAX_LANES];
     // Composite.
-    alignas(64) float picture[4][MAX_LANES]; // premultiplied RGBA; of one layer or an overlay the alpha is `hit`
+    alignas(64) float picture[4][MAX_LANES]; // premultiplied RGBA; of a shadow or an overlay the alpha is `hit`
     alignas(64) float behind[3][MAX_LANES];  // of an overlay: the share left of what lies behind the smoke
     alignas(64) float seen[MAX_LANES];       // the share of `open` that smoke leaves: before the surface and on it
     // Only where passes are asked for.

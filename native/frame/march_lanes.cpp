@@ -25,10 +25,10 @@ struct Asked {
 
     const FrameView *frame = nullptr;
 
-    [[nodiscard]] const MediumView &medium(int m) const { return frame->media[static_cast<std::size_t>(m)]; }
+    [[nodiscard]] const MediumView &medium(int m) const { return frame->seen_media[static_cast<std::size_t>(m)]; }
     [[nodiscard]] const LightView &light(int i) const { return frame->lights[static_cast<std::size_t>(i)]; }
 
-    [[nodiscard]] int media_count() const { return static_cast<int>(frame->media.size()); }
+    [[nodiscard]] int media_count() const { return static_cast<int>(frame->seen_media.size()); }
     [[nodiscard]] vec3 to_grid(int m, const vec3 &p) const { return transform_point(medium(m).world_to_grid, p); }
     [[nodiscard]] vec3 along_grid(int m, const vec3 &v) const { return transform_vector(medium(m).world_to_grid, v); }
     [[nodiscard]] vec3 grid_size(int m) const {

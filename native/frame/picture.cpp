@@ -77,7 +77,9 @@ Unsure unsure_of(const Image &image, int x, int y) {
     const std::size_t centre = at(x, y);
     const float *rgba = image.rgba.data() + 4 * centre;
     const float mean = (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
-    const float brightness = image.wanted.shadow() ? 1.0F - mean : mean; // a share in shadow leaves the rest
+    // A share in shadow leaves the rest; what a catcher shows is all in its alpha.
+    const float brightness =
+        image.wanted.shadow() ? 1.0F - mean : std::max(mean, image.surfaces[centre] * image.seen[centre]);
     constexpr std::array<std::array<int, 2>, 4> WAYS = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
     Unsure found = Unsure::NOTHING;
     for (const auto &[dx, dy] : WAYS) {

@@ -34,7 +34,7 @@ LightMapSettings map_settings(const FrameSettings &settings) {
 constexpr std::array PARTS = {
     PartStage{"solids", [](const Scene & /*scene*/, const Content & /*content*/) { return true; },
               [](const Making &making, Content &content) {
-                  content.surfaces.emplace(making.scene.meshes, making.prepared.solids);
+                  content.surfaces.emplace(making.scene.meshes, making.scene.lights, making.prepared.solids);
               }},
     PartStage{"smoke", [](const Scene &scene, const Content & /*content*/) { return !scene.media.empty(); },
               [](const Making &making, Content &content) {
@@ -45,12 +45,15 @@ constexpr std::array PARTS = {
                           content.media.push_back(std::move(smoke));
                       }
                   }
+                  const auto seen = [](const CroppedMedium &medium) { return medium.visibility.seen == Seen::SHOWN; };
+                  content.seen_media = static_cast<std::size_t>(
+                      std::stable_partition(content.media.begin(), content.media.end(), seen) - content.media.begin());
               }},
     PartStage{"lights", [](const Scene &scene, const Content & /*content*/) { return !scene.lights.empty(); },
               [](const Making &making, Content &content) {
                   const FrameSettings &settings = making.settings;
                   const int samples = settings.shared_ranges ? 1 : settings.light_samples;
-                  content.lighting = Lighting(making.scene.lights, content.media, samples);
+                  content.lighting = Lighting(making.scene.lights, content.media, *content.surfaces, samples);
               }},
     PartStage{"light maps", lights_meet_smoke,
               [](const Making &making, Content &content) {
@@ -67,10 +70,11 @@ constexpr std::array RAYS = {
     RayStage{"surfaces", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },
              [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet &packet,
                 Layers &layers) { frame_kernels(with).surfaces(view, wanted, packet, layers); }},
-    RayStage{"march",
-             [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.media.empty(); },
-             [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
-                Layers &layers) { frame_kernels(with).march(view, packet, layers); }},
+    RayStage{
+        "march",
+        [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.seen_media.empty(); },
+        [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
+           Layers &layers) { frame_kernels(with).march(view, packet, layers); }},
     RayStage{"composite", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },
              [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet & /*packet*/,
                 Layers &layers) { composite(view, wanted, with.lanes, layers); }},

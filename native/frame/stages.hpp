@@ -38,6 +38,7 @@ struct FrameSettings {
 struct Content {
     std::optional<Surfaces> surfaces;
     std::vector<CroppedMedium> media; // those that are not empty
+    std::size_t seen_media = 0;       // those that the camera sees come first
     bool grey = true;
     Lighting lighting;
 };

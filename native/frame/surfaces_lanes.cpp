@@ -30,15 +30,15 @@ Ray ray_through(const FrameView &frame, Real u, Real v) {
 }
 
 // Whether nothing solid stands on the first `distance` metres from `point`.
-Real visibility(const SurfaceView &view, const vec3 &point, const Towards &towards, Mask asked) {
-    if (view.scene == nullptr || !xsimd::any(asked)) {
+Real visibility(const RayScene &solids, const vec3 &point, const Towards &towards, Mask asked) {
+    if (solids.scene == nullptr || !xsimd::any(asked)) {
         return 1.0F;
     }
     typename Rays<LANES>::Ray rays;
     set_rays(rays, point, towards.direction, 0.0F, towards.distance);
     alignas(64) int valid[LANES];
     valid_lanes(asked, valid);
-    Rays<LANES>::occluded(valid, view.scene, !view.instanced, rays);
+    Rays<LANES>::occluded(valid, solids.scene, !solids.instanced, rays);
     return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
 }
 
@@ -74,6 +74,7 @@ struct Reflected {
     Real shadowed[3], open[3];
     Real unshadowed; // without shadows of solids either, the mean of the colours; of shadows, the irradiance
     Real lit[3];     // the same of each colour, without what glows
+    Real alone[3];   // where a catcher is met: in the shadows of catchers alone
 };
 
 Real component(const vec3 &v, int axis) {
@@ -145,11 +146,11 @@ Mirrored mirrored(const LightView &light, const Surface &surface, const Lobe &lo
 
 // The share of a light that reaches a surface: past solids, asked for one point of the light, and through the smoke.
 // What the surface's shading normal does not see of the light is not in its shading, and counts as visible.
-Real solid_visibility(const FrameView &frame, const Surface &surface, const vec3 &start, const Towards &towards,
+Real solid_visibility(const RayScene &solids, const Surface &surface, const vec3 &start, const Towards &towards,
                       Mask wanted) {
     const Mask above = wanted & (dot(surface.normal, towards.direction) > 0.0F);
     const Mask asked = above & (dot(surface.geometric_normal, towards.direction) > 0.0F);
-    const Real visible = visibility(frame.surfaces, start, towards, asked);
+    const Real visible = visibility(solids, start, towards, asked);
     return pick(asked, visible, pick(above, 0.0F, 1.0F));
 }
 
@@ -174,7 +175,7 @@ struct Sampled {
 };
 
 // Of a layer of gloss, which may look elsewhere on the light than what is diffuse, `dull`.
-Sampled sampled(const FrameView &frame, const Surface &surface, const Lobe &lobe, const LightView &light,
+Sampled sampled(const RayScene &solids, const Surface &surface, const Lobe &lobe, const LightView &light,
                 const vec3 &from, Real u, Real v, const Towards &towards, Real dull, ShadingPacket &shading) {
     Sampled out{0.0F, dull};
     pack_lobe(lobe, surface.tangents, shading);
@@ -189,7 +190,7 @@ Sampled sampled(const FrameView &frame, const Surface &surface, const Lobe &lobe
         const Towards seen{load(shading.towards), Real::load_aligned(shading.reach), 0.0F};
         const Mask moved = these & surface.hit & (Real::load_aligned(shading.moved) > 0.0F);
         out.worth = pick(these, Real::load_aligned(shading.worth), out.worth);
-        out.visible = pick(moved, solid_visibility(frame, surface, from, seen, moved), out.visible);
+        out.visible = pick(moved, solid_visibility(solids, surface, from, seen, moved), out.visible);
     });
     return out;
 }
@@ -199,18 +200,19 @@ Sampled sampled(const FrameView &frame, const Surface &surface, const Lobe &lobe
 // illumination and stochastic shadows", 2018), and of what hides a part of a light a mirror knows only the part that it
 // shows.
 PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface, int lobes,
-                             const LightView &light, const vec3 &start, ShadingPacket &shading) {
+                             const RayScene &solids, const LightView &light, const vec3 &start,
+                             ShadingPacket &shading) {
     PastSolids sum{}, all{};
     const auto add = [&](const vec3 &from, Real u, Real v) {
         constexpr float NOTHING = 1e-20F; // what the surface makes nothing of is a plain mean
         const Towards towards = sample_towards(light, from, u, v);
-        const Real visible = solid_visibility(frame, surface, from, towards, surface.hit);
+        const Real visible = solid_visibility(solids, surface, from, towards, surface.hit);
         const Real diffuse = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance + NOTHING;
         all.diffuse = all.diffuse + diffuse;
         sum.diffuse = sum.diffuse + diffuse * visible;
         for (int k = 0; k < lobes; ++k) {
             const Sampled gloss =
-                sampled(frame, surface, surface.lobe[k], light, from, u, v, towards, visible, shading);
+                sampled(solids, surface, surface.lobe[k], light, from, u, v, towards, visible, shading);
             all.gloss[k] = all.gloss[k] + gloss.worth + NOTHING;
             sum.gloss[k] = sum.gloss[k] + (gloss.worth + NOTHING) * gloss.visible;
         }
@@ -282,10 +284,21 @@ Real reflected_by(const Lobe &lobe, const Mirrored &gloss, int colour) {
     return sent * component(lobe.gain, colour);
 }
 
+Mask catchers(const Surface &surface) {
+    return where(surface, [](const Visibility &v) { return v.seen == Seen::CATCHER; });
+}
+
+// Of the lanes that meet a surface, those that a light is to light.
+Mask reached_by(const SurfaceView &surfaces, const LightView &light, const Surface &surface) {
+    return surfaces.plain ? surface.hit
+                          : where(surface, [&](const Visibility &v) { return (v.lit_by & light.reach.lights) != 0; });
+}
+
 Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
                     const Surface &surface) {
-    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}};
+    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
     const bool radiance = wanted.has(Layer::RADIANCE);
+    const bool catches = radiance && !frame.surfaces.plain && xsimd::any(catchers(surface));
     if (radiance) {
         const Real emissions[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
         for (int c = 0; c < 3; ++c) {
@@ -305,14 +318,16 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
     for (const LightView &light : frame.lights) {
         shade_diffuse(light, packed);
-        const Real diffuse = Real::load_aligned(packed.diffuse);
+        const Mask reached = reached_by(frame.surfaces, light, surface);
+        const Real diffuse = light.reach.diffuse ? pick(reached, Real::load_aligned(packed.diffuse), 0.0F) : Real(0.0F);
         Mirrored gloss[MAX_LOBES];
         Mask lit = diffuse > 0.0F;
-        for (int k = 0; k < lobes; ++k) {
+        const int mirrors = light.reach.gloss ? lobes : 0;
+        for (int k = 0; k < mirrors; ++k) {
             gloss[k] = mirrored(light, surface, surface.lobe[k], packed);
             lit = lit | (gloss[k].plain > 0.0F);
         }
-        lit = lit & surface.hit;
+        lit = lit & reached;
         const bool any_lit = xsimd::any(lit);
         if (radiance && !any_lit) {
             continue;
@@ -327,10 +342,14 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
         if (!any_lit) {
             continue;
         }
-        const PastSolids past = light_past_solids(frame, packet, surface, lobes, light, start, packed);
+        const PastSolids past = light_past_solids(frame, packet, surface, mirrors, light.solids, light, start, packed);
         const Real visible = pick(lit, past.diffuse, 0.0F);
-        for (int k = 0; k < lobes; ++k) {
+        for (int k = 0; k < mirrors; ++k) {
             gloss[k].visible = pick(lit, past.gloss[k], 0.0F);
+        }
+        PastSolids alone{};
+        if (catches && light.reach.plate) {
+            alone = light_past_solids(frame, packet, surface, mirrors, frame.surfaces.catchers, light, start, packed);
         }
         Real through[3];
         smoke_transmittance(frame, light, point, through);
@@ -339,15 +358,21 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
             if (radiance) {
                 const Real dull = component(surface.albedo, c) * diffuse * component(spread, c) * light.strength[c];
                 Real sent = dull * visible, all = dull;
-                for (int k = 0; k < lobes; ++k) {
-                    const Real shine = reflected_by(surface.lobe[k], gloss[k], c) * light.strength[c];
+                Real kept = dull * alone.diffuse;
+                for (int k = 0; k < mirrors; ++k) {
+                    const Real shine =
+                        pick(reached, reflected_by(surface.lobe[k], gloss[k], c), 0.0F) * light.strength[c];
                     sent = sent + shine * gloss[k].visible;
                     all = all + shine;
+                    kept = kept + shine * alone.gloss[k];
                 }
                 out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
                 out.lit[c] = out.lit[c] + all;
                 out.open[c] = out.open[c] + sent;
                 out.shadowed[c] = out.shadowed[c] + sent * through[c];
+                if (catches && light.reach.plate) {
+                    out.alone[c] = out.alone[c] + pick(lit, kept, 0.0F);
+                }
                 continue;
             }
             // The share of light that is missing, of all that would be there if the surface faced every light.
@@ -409,18 +434,40 @@ void store_passes(const FrameView &frame, LayerSet wanted, const Ray &ray, const
 void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &out) {
     const Mask active = Real::load_aligned(packet.active) > 0.0F;
     const Ray ray = ray_through(frame, Real::load_aligned(packet.u), Real::load_aligned(packet.v));
-    const Surface surface = first_surface(frame.surfaces, ray, active);
+    const bool radiance = wanted.has(Layer::RADIANCE);
+    // A shadow is laid over a picture that shows all solids.
+    const Surface surface =
+        first_surface(frame.surfaces, radiance ? frame.surfaces.seen : frame.surfaces.all, ray, active);
     surface.distance.store_aligned(out.distance);
     pick(surface.hit, 1.0F, 0.0F).store_aligned(out.hit);
-    const bool radiance = wanted.has(Layer::RADIANCE);
     Real shadowed[3], open[3]; // with the shadow of the smoke and without
     for (int i = 0; i < 3; ++i) {
         shadowed[i] = open[i] = radiance ? frame.background[i] : 0.0F;
     }
     Real unshadowed = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
-    Reflected light{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}};
+    Real cover = pick(surface.hit, 1.0F, frame.background_alpha), caught = 0.0F, caught_open = 0.0F;
+    Reflected light{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
     if (xsimd::any(surface.hit)) {
         light = reflected(frame, wanted, packet, ray, surface);
+        if (radiance && !frame.surfaces.plain) {
+            const Mask held = where(surface, [](const Visibility &v) { return v.seen == Seen::HOLDOUT; });
+            const Mask catching = catchers(surface);
+            cover = pick(held, 0.0F, cover);
+            light.unshadowed = pick(held, 0.0F, light.unshadowed);
+            for (int i = 0; i < 3; ++i) {
+                // Where a catcher has no light of its own, none is missing.
+                const Real whole = max(light.alone[i], 1e-20F);
+                const auto share = [&](Real left) {
+                    return pick(light.alone[i] > 0.0F, min(left / whole, 1.0F), 1.0F);
+                };
+                const Real left = share(light.shadowed[i]), left_open = share(light.open[i]);
+                caught = caught + pick(catching, (1.0F - left) * (1.0F / 3.0F), 0.0F);
+                caught_open = caught_open + pick(catching, (1.0F - left_open) * (1.0F / 3.0F), 0.0F);
+                light.shadowed[i] = pick(held, 0.0F, pick(catching, left * frame.background[i], light.shadowed[i]));
+                light.open[i] = pick(held, 0.0F, pick(catching, left_open * frame.background[i], light.open[i]));
+            }
+            cover = pick(catching, frame.background_alpha + (1.0F - frame.background_alpha) * caught, cover);
+        }
         for (int i = 0; i < 3; ++i) {
             shadowed[i] = pick(surface.hit, light.shadowed[i], shadowed[i]);
             open[i] = pick(surface.hit, light.open[i], open[i]);
@@ -428,7 +475,9 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
         unshadowed = pick(surface.hit, light.unshadowed, unshadowed);
     }
     const Real *const seen = radiance ? open : shadowed;
-    ((seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F)).store_aligned(out.open);
+    ((seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F) + caught_open).store_aligned(out.open);
+    cover.store_aligned(out.cover);
+    caught.store_aligned(out.caught);
     unshadowed.store_aligned(out.unshadowed);
     for (int i = 0; i < 3; ++i) {
         shadowed[i].store_aligned(out.surface[i]);

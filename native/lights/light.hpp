@@ -5,6 +5,7 @@
 #pragma once
 
 #include "scene/light.hpp"
+#include "solids/ray_scene.hpp"
 
 #include <span>
 #include <vector>
@@ -27,6 +28,7 @@ struct LightView : Light {
     float area = 0.0F;                  // of rectangles, ellipses and polygons
     float size2 = 0.0F;                 // of falloff()
     std::span<const glm::vec3> samples; // points; of a sun, directions towards it
+    RayScene solids;                    // that may hide it
     const LightMapView *maps = nullptr; // for each sample and medium; the medium runs fastest
 
     // Whether its rays are parallel: then its direction is the same everywhere, and it does not fall off.

@@ -6,6 +6,7 @@
 #include "maps/map_kernels.hpp"
 #include "rays/ray_kernels.hpp"
 #include "scene/affine.hpp"
+#include "solids/embree.hpp"
 #include "text/lights_text.hpp"
 
 #include <algorithm>
@@ -44,12 +45,12 @@ TexelRay texel_ray(const LightMap &map, const glm::dmat4 &light_to_world, int x,
 }
 
 // The map depth of the first place at which a solid could stand between light and smoke.
-double nearest_solid(const LightMap &map, const SurfaceView &surfaces, double nearest_distance) {
+double nearest_solid(const LightMap &map, const RayScene &solids, double nearest_distance) {
     if (map.radial) {
         return (nearest_distance - map.low.z) / (map.high.z - map.low.z);
     }
     RTCBounds bounds;
-    rtcGetSceneBounds(surfaces.scene, &bounds);
+    rtcGetSceneBounds(solids.scene, &bounds);
     const glm::dvec3 low(bounds.lower_x, bounds.lower_y, bounds.lower_z);
     const glm::dvec3 high(bounds.upper_x, bounds.upper_y, bounds.upper_z);
     double nearest = 0.0; // of the solids' corner that is nearest to the light
@@ -125,7 +126,7 @@ LightMap planned(const CroppedMedium &medium, const LightMapSettings &settings) 
 
 LightMapView LightMap::view(const SolidDepths *solids) const {
     LightMapView view;
-    view.coefficients = coefficients.data();
+    view.coefficients = coefficients.empty() ? nullptr : coefficients.data();
     view.solid_depth = solids == nullptr ? nullptr : solids->data();
     view.count = static_cast<int>(series.count);
     view.width = size.x;
@@ -140,7 +141,7 @@ LightMapView LightMap::view(const SolidDepths *solids) const {
     view.basis = series.name;
     view.shared = shared;
     view.tables = {static_cast<int>(series.tables.cells), series.tables.g.data()};
-    view.curves = curved ? curves.data() : nullptr;
+    view.curves = curves.empty() ? nullptr : curves.data();
     view.colours = colours;
     return view;
 }
@@ -155,19 +156,19 @@ void LightMap::look_up(std::span<const float> points, std::span<float> columns, 
     });
 }
 
-SolidDepths find_solids(const LightMap &map, const SurfaceView &surfaces, double nearest_distance) {
+SolidDepths find_solids(const LightMap &map, const RayScene &solids, double nearest_distance) {
     SolidDepths depths(map.texels(), std::numeric_limits<float>::max());
-    if (surfaces.scene == nullptr) {
+    if (solids.scene == nullptr) {
         return depths;
     }
-    const double nearest = nearest_solid(map, surfaces, nearest_distance);
+    const double nearest = nearest_solid(map, solids, nearest_distance);
     const glm::dmat4 light_to_world = glm::inverse(map.world_to_light);
     oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
         for (int x = 0; x < map.size.x; ++x) {
             const TexelRay ray = texel_ray(map, light_to_world, x, y);
             const double length = glm::length(ray.along);
             const float hit =
-                first_hit(surfaces.scene, glm::vec3(ray.origin + nearest * ray.along), glm::vec3(ray.along / length));
+                first_hit(solids.scene, glm::vec3(ray.origin + nearest * ray.along), glm::vec3(ray.along / length));
             if (std::isfinite(hit)) {
                 depths[static_cast<std::size_t>(y * map.size.x + x)] =
                     static_cast<float>(nearest + static_cast<double>(hit) / length);

@@ -4,7 +4,7 @@
 
 #include "maps/map_view.hpp"
 #include "media/medium.hpp"
-#include "solids/surface_view.hpp"
+#include "solids/ray_scene.hpp"
 #include "text/dispatch.hpp"
 
 #include <cstdint>
@@ -83,6 +83,6 @@ inline LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &
 }
 
 // Where solids stand on a map's rays; of light that has a place, from `nearest` metres around it on.
-SolidDepths find_solids(const LightMap &map, const SurfaceView &surfaces, double nearest = 0.0);
+SolidDepths find_solids(const LightMap &map, const RayScene &solids, double nearest = 0.0);
 
 } // namespace sfumato

@@ -12,6 +12,14 @@
 
 namespace sfumato {
 
+namespace {
+
+bool lights_smoke(const Light &light, const CroppedMedium &medium) {
+    return light.reach.smoke && (light.reach.lights & medium.visibility.lit_by) != 0;
+}
+
+} // namespace
+
 MediaViews views_of(std::span<const CroppedMedium> media, double step_length) {
     MediaViews out;
     out.light.reserve(media.size());
@@ -43,7 +51,8 @@ void LightParts::end_round() {
     volumes.end_round();
 }
 
-Lighting::Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples)
+Lighting::Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, const Surfaces &surfaces,
+                   int most_samples)
     : media_(media.size()) {
     double cell = media.empty() ? 0.0 : media.front().cell_size;
     for (const CroppedMedium &medium : media) {
@@ -51,6 +60,7 @@ Lighting::Lighting(std::span<const Light> lights, std::span<const CroppedMedium>
     }
     for (const Light &light : lights) {
         views_.push_back(view_of(light, cell));
+        views_.back().solids = view_of(surfaces.hiding(light));
     }
     const auto faces = std::count_if(views_.begin(), views_.end(), [](const LightView &v) { return v.of_mesh(); });
     // The faces of a mesh that glows are parts of one light: what each of them throws is blurred by the others.
@@ -114,10 +124,13 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
         columns.number(medium.extinction.x, medium.extinction.y, medium.extinction.z);
     }
     columns.numbers(std::span<const double>(&medium.grid_to_world[0].x, 16));
-    solids.part(surfaces.places()).number(nearest);
+    solids.part(surfaces.hiding(light)).number(nearest);
+    const bool hides = (medium.visibility.hides & light.reach.hidden_by) != 0;
+    columns.number(hides);
     Map map;
-    map.solids = parts.solids.get(solids, [&] { return find_solids(plan, surfaces.view(), nearest); });
-    map.columns = parts.maps.get(columns, [&] { return projected(std::move(plan), medium, with); });
+    map.solids = parts.solids.get(solids, [&] { return find_solids(plan, light.solids, nearest); });
+    map.columns =
+        parts.maps.get(columns, [&] { return hides ? projected(std::move(plan), medium, with) : std::move(plan); });
     return map;
 }
 
@@ -137,6 +150,7 @@ Key Lighting::volume_key(std::size_t light, std::size_t own, std::span<const Cro
     for (const Map &map : maps_[light]) {
         key.part(map.columns).part(map.solids);
     }
+    key.number(lights_smoke(view, media[own]));
     for (const CroppedMedium &medium : media) {
         key.number(medium.extinction.x, medium.extinction.y, medium.extinction.z);
     }
@@ -159,6 +173,9 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
         for (std::size_t i = 0; i < views_.size(); ++i) {
             volumes.push_back(parts.volumes.get(volume_key(i, m, media, grey), [&] {
                 LightVolume volume(floats, 0.0F);
+                if (!lights_smoke(views_[i], medium)) {
+                    return volume;
+                }
                 LightBox box;
                 box.light = &views_[i];
                 box.media = unlit.views;
@@ -185,7 +202,8 @@ const LightMap *Lighting::map(std::size_t light, std::size_t sample, std::size_t
     if (light >= maps_.size() || medium >= media_ || sample >= samples_[light].size()) {
         return nullptr;
     }
-    return maps_[light][sample * media_ + medium].columns.get();
+    const LightMap *const map = maps_[light][sample * media_ + medium].columns.get();
+    return map == nullptr || map->bytes() == 0 ? nullptr : map;
 }
 
 } // namespace sfumato

@@ -28,7 +28,8 @@ class Lighting {
 public:
     Lighting() = default;
     // Of each light its view and, at most most_samples of them, the points at which it is sampled.
-    Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, int most_samples);
+    Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, const Surfaces &surfaces,
+             int most_samples);
     // The maps of every medium from every sample of every light, then the light volumes of the media.
     void build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces, const LightMapSettings &settings,
                     const InstructionSet &with, LightParts &parts);
@@ -36,7 +37,7 @@ public:
                       LightParts &parts) const;
 
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
-    // The map of one medium in one light, null where that light cannot meet it.
+    // The map of one medium in one light, null where that light cannot meet it, or is not hidden by it.
     [[nodiscard]] const LightMap *map(std::size_t light, std::size_t sample, std::size_t medium) const;
 
 private:

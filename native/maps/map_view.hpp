@@ -24,6 +24,8 @@ struct LightMapView {
     [[nodiscard]] int stride() const { return head() + count - 1; }
     // Where the light cannot meet the medium.
     [[nodiscard]] bool empty() const { return width == 0; }
+    // Where the medium does not hide the light: of the rays only their solids are known.
+    [[nodiscard]] bool clear() const { return coefficients == nullptr && curves == nullptr; }
 
     const float *coefficients = nullptr;
     const float *solid_depth = nullptr;

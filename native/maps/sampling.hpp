@@ -204,6 +204,9 @@ inline Real column_density(const LightMapView &map, const Texels &texels, const 
 // Adds the optical depth between the light and the place in each of the colours.
 inline void add_optical_depth(const LightMapView &map, const Texels &texels, const vec3 &place, const float *extinction,
                               int colours, Real *depth) {
+    if (map.clear()) {
+        return;
+    }
     Real column = column_density(map, texels, place, 0);
     for (int c = 0; c < colours; ++c) {
         if (c > 0 && map.colours > 1) {

@@ -41,6 +41,7 @@ CroppedMedium crop(const Medium &medium) {
     out.extinction = medium.scattering + medium.absorption;
     out.scattering = medium.scattering;
     out.anisotropy = medium.anisotropy;
+    out.visibility = medium.visibility;
     const float threshold = emptiness(medium.resolution, medium.grid_to_world, out.extinction);
     if (threshold == std::numeric_limits<float>::infinity()) {
         return out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "media/grid.hpp"
+#include "scene/visibility.hpp"
 
 #include <memory>
 #include <vector>
@@ -22,6 +23,7 @@ struct CroppedMedium {
     glm::vec3 extinction{0.0F}; // per metre and unit density
     glm::vec3 scattering{0.0F};
     float anisotropy = 0.0F;
+    Visibility visibility;
     double cell_size = 0.0; // the shortest edge, metres
     int light_channels = 0;
     std::vector<std::shared_ptr<const LightVolume>> light; // of each light

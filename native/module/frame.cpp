@@ -369,12 +369,13 @@ its number. Solids are left out. Raises ValueError where there is no such light.
             "media",
             [](const py::object &self) {
                 py::list out;
-                for (const CroppedMedium &medium : py::cast<const Frame &>(self).media()) {
+                const auto &frame = py::cast<const Frame &>(self);
+                for (const CroppedMedium &medium : frame.media().first(frame.seen_media())) {
                     out.append(py::cast(&medium, py::return_value_policy::reference_internal, self));
                 }
                 return out;
             },
-            "A list of LitMedium, those that hold any smoke.")
+            "A list of LitMedium, those that hold any smoke and that the camera sees.")
         .def(
             "light_map", &light_map, py::arg("light") = 0, py::arg("sample") = 0, py::arg("medium") = 0,
             py::return_value_policy::reference_internal,
@@ -391,6 +392,9 @@ it. Raises ValueError where there is no such light, sample or medium.
         .def_property_readonly("lights", &lights_of,
                                R"((n, 3, 4) float32: direction and 1 for a sun, else 0; position and
 the square of the light's size, as in falloff() of shaders/lights/light.glsl; strength, and the number of its samples.)")
+        .def_property_readonly("grey", &Frame::grey, "Whether all smoke takes all colours alike: one march does.")
+        .def_property_readonly("opaque", &Frame::opaque,
+                               "Whether every surface has an alpha of 1: none is held out, or catches shadows.")
         .def_property_readonly("step_length", &Frame::step_length, "Of the march along view rays, in cells.")
         .def_property_readonly(
             "stages",

@@ -68,6 +68,7 @@ True
     py::module_::import("atexit").attr("register")(m.attr("end_threads"));
 
     bind_scene_parts(m);
+    bind_visibility(m);
     bind_scene(m);
     bind_reference(m);
     bind_frame_parts(m);

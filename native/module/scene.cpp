@@ -55,8 +55,9 @@ std::vector<std::uint32_t> numbers(const std::optional<Doubles> &array, std::siz
 void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &to_world, const Floats &albedo,
                    const std::optional<Floats> &gloss, const std::optional<Floats> &emission,
                    const std::optional<Floats> &diffuse, const std::optional<Doubles> &object_index,
-                   const std::optional<Doubles> &material_index) {
+                   const std::optional<Doubles> &material_index, const std::optional<Visibility> &visibility) {
     Instances out;
+    out.visibility = visibility.value_or(Visibility{});
     out.shape = mesh.shape;
     out.materials = checked_materials(albedo, gloss, emission, diffuse);
     if (out.materials.albedo.size() < mesh.materials) {
@@ -92,7 +93,7 @@ void add_mesh(ConsoleScene &scene, const Floats &vertices, const Doubles &triang
 
 void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &density, const Doubles &grid_to_world,
                 const Floats &scattering, const Floats &absorption, float anisotropy,
-                const std::optional<Floats> &colour) {
+                const std::optional<Floats> &colour, const std::optional<Visibility> &visibility) {
     const auto *array = std::get_if<Floats>(&density);
     if (array != nullptr) {
         require_shape(*array, {-1, -1, -1}, "density");
@@ -112,6 +113,11 @@ void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &de
     require_range(absorption, 0.0F, 1e30F, "absorption");
     require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
     medium.anisotropy = anisotropy;
+    medium.visibility = visibility.value_or(Visibility{});
+    if (medium.visibility.seen != Seen::SHOWN && medium.visibility.seen != Seen::UNSEEN) {
+        throw py::value_error(
+            "visibility.seen must be 'shown' or 'unseen': smoke is no holdout, and catches no shadow");
+    }
     CheckedGrid grid;
     if (array != nullptr) {
         const glm::uvec3 resolution(array->shape(2), array->shape(1), array->shape(0));
@@ -148,8 +154,10 @@ glm::vec3 place_of(const Floats &array, const std::string &name) {
     return vector3(array, name);
 }
 
-void add_sun(ConsoleScene &scene, const Floats &direction, const Floats &irradiance, float angle) {
+void add_sun(ConsoleScene &scene, const Floats &direction, const Floats &irradiance, float angle,
+             const std::optional<Reach> &reach) {
     Light light;
+    light.reach = reach.value_or(Reach{});
     light.kind = Light::Kind::SUN;
     light.direction = unit_vector(direction, "direction");
     light.strength = strength_of(irradiance, "irradiance");
@@ -160,8 +168,9 @@ void add_sun(ConsoleScene &scene, const Floats &direction, const Floats &irradia
 
 void add_point(ConsoleScene &scene, const Floats &position, const Floats &intensity, float radius,
                const Floats &direction, float cone, float blend, bool facing_disk, bool spot_cosine,
-               const py::object &stretch) {
+               const py::object &stretch, const std::optional<Reach> &reach) {
     Light light;
+    light.reach = reach.value_or(Reach{});
     light.kind = Light::Kind::SPHERE;
     light.position = place_of(position, "position");
     light.strength = strength_of(intensity, "intensity");
@@ -191,8 +200,9 @@ void add_point(ConsoleScene &scene, const Floats &position, const Floats &intens
 }
 
 void add_area(ConsoleScene &scene, const Floats &position, const Floats &across, const Floats &up,
-              const Floats &radiance, bool ellipse, float spread) {
+              const Floats &radiance, bool ellipse, float spread, const std::optional<Reach> &reach) {
     Light light;
+    light.reach = reach.value_or(Reach{});
     light.kind = ellipse ? Light::Kind::ELLIPSE : Light::Kind::RECTANGLE;
     light.position = place_of(position, "position");
     light.across = place_of(across, "across");
@@ -214,7 +224,8 @@ void add_area(ConsoleScene &scene, const Floats &position, const Floats &across,
     scene.lights.push_back(light);
 }
 
-void add_polygon(ConsoleScene &scene, const Floats &corners, const Floats &radiance) {
+void add_polygon(ConsoleScene &scene, const Floats &corners, const Floats &radiance,
+                 const std::optional<Reach> &reach) {
     require_shape(corners, {-1, 3}, "corners");
     require_range(corners, -1e15F, 1e15F, "corners");
     const auto count = static_cast<std::size_t>(corners.shape(0));
@@ -222,6 +233,7 @@ void add_polygon(ConsoleScene &scene, const Floats &corners, const Floats &radia
         throw py::value_error("corners has shape " + shape_of(corners) + ", but a polygon has 3 corners or 4");
     }
     Light light;
+    light.reach = reach.value_or(Reach{});
     light.kind = Light::Kind::POLYGON;
     light.strength = strength_of(radiance, "radiance");
     std::array<glm::dvec3, 4> polygon;
@@ -280,10 +292,12 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
         .def("add_instances", &add_instances, py::arg("mesh"), py::arg("to_world"), py::arg("albedo"),
              py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse") = py::none(),
              py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
+             py::arg("visibility") = py::none(),
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
 world. albedo (k, 3), gloss, emission (k, 3) and diffuse (k, 2) are those of add_mesh, a row for each
 material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
-gives by these names. Raises ValueError as add_mesh does, and for too few rows.
+gives by these names; visibility, what it is to the camera and to lights, or all of that. Raises ValueError as add_mesh
+does, and for too few rows.
 
 >>> import numpy as np
 >>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -292,28 +306,31 @@ gives by these names. Raises ValueError as add_mesh does, and for too few rows.
         .def(
             "add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
             py::arg("absorption"), py::arg("anisotropy") = 0.0F, py::arg("colour") = py::none(),
+            py::arg("visibility") = py::none(),
             R"(Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their densities add.
 
 density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; the scene refers to the array
 instead of copying it, so it should not be changed while the scene is in use; grid_to_world (4, 4) takes
 cells to metres: cell (i, j, k) fills [i, i + 1] and so on; scattering and absorption (3,), per metre and unit
 density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1); colour (nz, ny, nx, 3), not negative, by which each
-cell's scattering is multiplied: what it does not scatter of that, it absorbs, so what it lets through stays the same.
+cell's scattering is multiplied: what it does not scatter of that, it absorbs, so what it lets through stays the same; visibility,
+'shown' or 'unseen', and its lights.
 Raises ValueError for an empty, negative or non-finite density and for a matrix that flattens the grid.
 
 >>> import numpy as np
 >>> Scene().add_medium(np.ones((4, 4, 4)), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
 )")
         .def("add_sun", &add_sun, py::arg("direction"), py::arg("irradiance"), py::arg("angle") = 0.0F,
+             py::arg("reach") = py::none(),
              R"(Add a sun: direction (3,) in which its light travels; irradiance (3,) in W/m^2 on a surface that
-faces it; angle, its angular diameter in radians.
+faces it; angle, its angular diameter in radians; reach, what it reaches and what hides it, or all of that.
 
 >>> Scene().add_sun((0, 0, -1), (4, 4, 4), angle=0.009)
 )")
         .def("add_point", &add_point, py::arg("position"), py::arg("intensity"), py::arg("radius") = 0.0F,
              py::arg("direction") = std::array<float, 3>{0.0F, 0.0F, -1.0F}, py::arg("cone") = 6.2831853F,
              py::arg("blend") = 0.0F, py::arg("facing_disk") = false, py::arg("spot_cosine") = false,
-             py::arg("stretch") = py::none(),
+             py::arg("stretch") = py::none(), py::arg("reach") = py::none(),
              R"(Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
 cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in over the share
 blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere looks as large as a disk of
@@ -323,7 +340,7 @@ stretch (2, 3) are two axes across the direction: at a distance, the cone is as 
 >>> Scene().add_point((0, 0, 3), (10, 10, 10), radius=0.1, cone=0.8, blend=0.15)
 )")
         .def("add_area", &add_area, py::arg("position"), py::arg("across"), py::arg("up"), py::arg("radiance"),
-             py::arg("ellipse") = false, py::arg("spread") = 3.1415927F,
+             py::arg("ellipse") = false, py::arg("spread") = 3.1415927F, py::arg("reach") = py::none(),
              R"(Add a rectangle, or the ellipse in it: position (3,) of its middle; across (3,) and up (3,), half its
 axes, at right angles; radiance (3,) in W/(m^2 sr), straight ahead. It shines along cross(up, across), into the whole
 angle spread, radians, in which it fades as 1 - tan(angle) / tan(spread / 2).
@@ -331,7 +348,7 @@ Raises ValueError for a light without area, and for axes that are not at right a
 
 >>> Scene().add_area((0, 0, 3), (0.5, 0, 0), (0, 0.5, 0), (4, 4, 4))
 )")
-        .def("add_polygon", &add_polygon, py::arg("corners"), py::arg("radiance"),
+        .def("add_polygon", &add_polygon, py::arg("corners"), py::arg("radiance"), py::arg("reach") = py::none(),
              R"(Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners
 (3, 3) or (4, 3), in turn; radiance (3,) in W/(m^2 sr). It is not seen itself: that is add_mesh's emission.
 Raises ValueError for corners that are not flat and convex, or hold no area.
@@ -340,13 +357,15 @@ Raises ValueError for corners that are not flat and convex, or hold no area.
 )")
         .def(
             "set_background",
-            [](ConsoleScene &scene, const Floats &radiance) {
+            [](ConsoleScene &scene, const Floats &radiance, float alpha) {
                 require_range(radiance, 0.0F, 1e30F, "radiance");
+                require_range(alpha, 0.0F, 1.0F, "alpha");
                 scene.background = vector3(radiance, "radiance");
+                scene.background_alpha = alpha;
             },
-            py::arg("radiance"),
-            "Set the radiance (3,) where no surface is. It lights nothing.\n\n"
-            ">>> Scene().set_background((0, 0, 0))\n");
+            py::arg("radiance"), py::arg("alpha") = 0.0F,
+            "Set the radiance (3,) where no surface is, and the alpha there. It lights nothing.\n\n"
+            ">>> Scene().set_background((0, 0, 0), alpha=1)\n");
 
     py::class_<Camera>(m, "Camera", R"(The rays of a projection.
 

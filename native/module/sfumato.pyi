@@ -41,6 +41,9 @@ class Frame:
         traced, those between them where these bend or surfaces end, and the rest is interpolated. All lights are
         seen at their middles. "picture" is what render() makes, the other outputs what surfaces() makes.
         """
+    @property
+    def grey(self) -> bool:
+        """Whether all smoke takes all colours alike: one march does."""
     def light_map(self, light: int = 0, sample: int = 0, medium: int = 0) -> LightMap:
         """The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot
         meet it. Raises ValueError where there is no such light, sample or medium.
@@ -261,6 +264,19 @@ class RayStorage:
     def transmittance(self, texels: ArrayLike, depth: ArrayLike) -> NDArray[numpy.float32]:
         """(..., d) float32 at depth (..., d) in [0, 1]."""
 
+class Reach:
+    """What a light reaches, and what hides it: sets, a bit each, of which an object must have one (Visibility); without a set nothing hides it. diffuse, gloss, smoke: whether it shows in what surfaces reflect diffusely, in their gloss, and in smoke; plate, whether it is a light of the plate, so that a catcher's shadows are missing light of it. Raises ValueError for a light that reaches nothing, and for more than 64 bits."""
+
+    def __init__(
+        self,
+        lights: int = 1,
+        hidden_by: int = 1,
+        diffuse: bool = True,
+        gloss: bool = True,
+        smoke: bool = True,
+        plate: bool = True,
+    ) -> None: ...
+
 class Scene:
     """Meshes, smoke and lights."""
 
@@ -273,6 +289,7 @@ class Scene:
         radiance: ArrayLike,
         ellipse: bool = False,
         spread: float = 3.1415927410125732,
+        reach: Reach | None = None,
     ) -> None:
         """Add a rectangle, or the ellipse in it: position (3,) of its middle; across (3,) and up (3,), half its
         axes, at right angles; radiance (3,) in W/(m^2 sr), straight ahead. It shines along cross(up, across),
@@ -339,17 +356,26 @@ class Scene:
         to its axis, too. stretch (2, 3) are two axes across the direction: at a distance, the cone is as many
         times as wide along each as it is long.
         """
-    def add_polygon(self, corners: ArrayLike, radiance: ArrayLike) -> None:
+    def add_polygon(self, corners: ArrayLike, radiance: ArrayLike, reach: Reach | None = None) -> None:
         """Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners (3,
         3) or (4, 3), in turn; radiance (3,) in W/(m^2 sr). It is not seen itself: that is add_mesh's emission.
         Raises ValueError for corners that are not flat and convex, or hold no area.
         """
-    def add_sun(self, direction: ArrayLike, irradiance: ArrayLike, angle: float = 0.0) -> None:
+    def add_sun(
+        self, direction: ArrayLike, irradiance: ArrayLike, angle: float = 0.0, reach: Reach | None = None
+    ) -> None:
         """Add a sun: direction (3,) in which its light travels; irradiance (3,) in W/m^2 on a surface that faces it;
-        angle, its angular diameter in radians.
+        angle, its angular diameter in radians; reach, what it reaches and what hides it, or all of that.
         """
-    def set_background(self, radiance: ArrayLike) -> None:
-        """Set the radiance (3,) where no surface is. It lights nothing."""
+    def set_background(self, radiance: ArrayLike, alpha: float = 0.0) -> None:
+        """Set the radiance (3,) where no surface is, and the alpha there. It lights nothing."""
+
+class Visibility:
+    """What an object is to the camera and to lights."""
+
+    def __init__(
+        self, seen: str = "shown", lit_by: int = 18446744073709551615, hides: int = 18446744073709551615
+    ) -> None: ...
 
 def choose_basis(
     depth: ArrayLike, optical_depth: ArrayLike, bytes: int = 20, additive: bool = False, width: float = 0.0

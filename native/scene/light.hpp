@@ -2,6 +2,8 @@
 // A light, apart from the rest of the scene for those who need no more: the kernels.
 #pragma once
 
+#include "scene/visibility.hpp"
+
 #include <array>
 #include <cstdint>
 
@@ -39,6 +41,7 @@ struct Light {
     bool spot_cosine = false;
     float spread = 3.1415927F;          // of rectangles and ellipses: the whole angle that they shine into, radians
     std::array<glm::vec3, 4> corners{}; // of a polygon: flat, convex, in turn; of a triangle the last one twice
+    Reach reach;
 };
 
 } // namespace sfumato

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "scene/light.hpp"
+#include "scene/visibility.hpp"
 
 #include <array>
 #include <cstdint>
@@ -88,6 +89,7 @@ struct Instances {
     Materials materials;
     std::vector<glm::mat4> to_world;
     std::vector<std::uint32_t> index; // an artist's number, one for each place; or none: 0
+    Visibility visibility;
 
     Instances() = default;
     Instances(Mesh mesh) // NOLINT(google-explicit-constructor): a mesh is an object in one place
@@ -110,13 +112,15 @@ struct Medium {
     glm::vec3 scattering{1.0F}; // sigma_s per metre and unit density
     glm::vec3 absorption{0.0F}; // sigma_a per metre and unit density
     float anisotropy = 0.0F;    // g of Henyey and Greenstein (1941), in (-1, 1)
+    Visibility visibility;      // SHOWN or UNSEEN
 };
 
 struct Scene {
     std::vector<Instances> meshes;
     std::vector<Medium> media; // where they overlap, their densities add
     std::vector<Light> lights;
-    glm::vec3 background{0.0F}; // radiance where no surface is; it lights nothing
+    glm::vec3 background{0.0F};    // radiance where no surface is; it lights nothing
+    float background_alpha = 0.0F; // 1 where the picture is to have none of another behind it
 };
 
 // Rays of a camera, perspective or orthographic. (u, v) runs over [0, 1]^2 from the lower left corner of the image:

@@ -37,7 +37,18 @@ struct Surface {
     vec3 again;
     Index material = 0; // where its row of properties begins
     Real object_index = 0.0F;
+    const Visibility *visibility[LANES]; // of what is hit, else null; set where any place is not plain
 };
+
+// Of the lanes, those that hit a place of which something is true.
+template <typename Question>
+Mask where(const Surface &surface, const Question &is_so) {
+    alignas(64) float chosen[LANES];
+    for (int lane = 0; lane < LANES; ++lane) {
+        chosen[lane] = surface.visibility[lane] != nullptr && is_so(*surface.visibility[lane]) ? 1.0F : 0.0F;
+    }
+    return Real::load_aligned(chosen) > 0.0F;
+}
 
 // The layers of gloss from the top, each dimmed by those above; what they leave of the albedo.
 inline void add_lobes(const SurfaceView &view, Index material, Real to_eye, Surface &surface) {
@@ -75,11 +86,13 @@ inline void add_lobes(const SurfaceView &view, Index material, Real to_eye, Surf
     surface.albedo = surface.albedo * left;
 }
 
-inline Surface first_surface(const SurfaceView &view, const text::CameraText<Real, Isa>::Ray &ray, Mask active) {
+// Of what is in `met`, which has the numbers of all places.
+inline Surface first_surface(const SurfaceView &view, const RayScene &met, const text::CameraText<Real, Isa>::Ray &ray,
+                             Mask active) {
     Surface surface;
     surface.hit = Mask(false);
     surface.distance = ray.reach;
-    if (view.scene == nullptr) {
+    if (met.scene == nullptr) {
         return surface;
     }
     typename Rays<LANES>::RayHit rays;
@@ -91,7 +104,7 @@ inline Surface first_surface(const SurfaceView &view, const text::CameraText<Rea
     }
     alignas(64) int valid[LANES];
     valid_lanes(active, valid);
-    Rays<LANES>::intersect(valid, view.scene, !view.instanced, rays);
+    Rays<LANES>::intersect(valid, met.scene, !met.instanced, rays);
 
     alignas(64) float hits[LANES];
     bool any = false;
@@ -122,6 +135,9 @@ inline Surface first_surface(const SurfaceView &view, const text::CameraText<Rea
         }
         materials[lane] = material_row::FLOATS * corners.material;
         objects[lane] = hit ? view.places[place].object_index : 0.0F;
+        if (!view.plain) {
+            surface.visibility[lane] = hit ? &view.places[place].visibility : nullptr;
+        }
     }
     const auto loaded = [](const float(&v)[3][LANES]) {
         return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "lights/gloss_curves.hpp"
-#include "solids/embree.hpp"
+#include "scene/visibility.hpp"
+#include "solids/ray_scene.hpp"
 
 #include <cstdint>
 
@@ -37,11 +38,14 @@ struct PlaceView {
     float object_index = 0.0F;
     float to_world[9];
     float normals_to_world[9];
+    Visibility visibility;
 };
 
 struct SurfaceView {
-    RTCScene scene = nullptr;
-    bool instanced = false;            // whether any place is an instance to Embree
+    RayScene all;                      // places
+    RayScene seen;                     // by the camera
+    RayScene catchers;                 // of shadows
+    bool plain = true;                 // whether every place is shown, lit by all, and hides all
     const PlaceView *places = nullptr; // by Embree's number of the instance, or else of the geometry
     const float *properties = nullptr; // a material_row each
     bool tangents = false;             // whether any shape has tangents

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <glm/matrix.hpp>
 
@@ -183,31 +184,37 @@ std::shared_ptr<const Solid> Solids::solid(const std::shared_ptr<const Shape> &s
     return solids_.get(Key().part(shape), [&] { return Solid(device_.get(), shape); });
 }
 
-std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes) {
-    if (std::none_of(meshes.begin(), meshes.end(), stands)) {
+std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes, const std::vector<bool> &which) {
+    // Each that stands, with the number of its first place.
+    std::vector<std::pair<const Instances *, unsigned>> standing;
+    unsigned number = 0;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        if (stands(meshes[i])) {
+            if (which[i]) {
+                standing.emplace_back(&meshes[i], number);
+            }
+            number += static_cast<unsigned>(meshes[i].to_world.size());
+        }
+    }
+    if (standing.empty()) {
         return nullptr;
     }
     if (!device_) {
         device_ = new_device(threads_);
     }
     Key key;
-    for (const Instances &mesh : meshes) {
-        if (stands(mesh)) {
-            key.part(mesh.shape);
-            key.numbers(std::span(&mesh.to_world.front()[0].x, 16 * mesh.to_world.size()));
-            if (is_instanced(mesh)) {
-                solid(mesh.shape); // asked for in this round too, though the places may be known
-            }
+    for (const auto &[mesh, first] : standing) {
+        key.part(mesh->shape).number(first);
+        key.numbers(std::span(&mesh->to_world.front()[0].x, 16 * mesh->to_world.size()));
+        if (is_instanced(*mesh)) {
+            solid(mesh->shape); // asked for in this round too, though the places may be known
         }
     }
     return places_.get(key, [&] {
         Places places;
         places.scene.reset(rtcNewScene(device_.get()));
-        unsigned number = 0;
-        for (const Instances &mesh : meshes) {
-            if (stands(mesh)) {
-                attach(mesh, places, number);
-            }
+        for (const auto &[mesh, first] : standing) {
+            attach(*mesh, places, first);
         }
         rtcCommitScene(places.scene.get());
         require_made(device_.get(), "the triangles");
@@ -215,7 +222,7 @@ std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes) 
     });
 }
 
-void Solids::attach(const Instances &mesh, Places &places, unsigned &number) {
+void Solids::attach(const Instances &mesh, Places &places, unsigned number) {
     const bool instanced = is_instanced(mesh);
     places.instanced = places.instanced || instanced;
     const std::shared_ptr<const Solid> what = instanced ? solid(mesh.shape) : nullptr;
@@ -249,9 +256,29 @@ void Solids::end_round() {
     solids_.end_round();
 }
 
-Surfaces::Surfaces(std::span<const Instances> meshes, Solids &solids) : places_(solids.places(meshes)) {
-    if (!places_) {
-        return;
+Surfaces::Surfaces(std::span<const Instances> meshes, std::span<const Light> lights, Solids &solids) {
+    const auto places = [&](auto &&is_met) {
+        std::vector<bool> which;
+        for (const Instances &mesh : meshes) {
+            which.push_back(is_met(mesh.visibility));
+        }
+        return solids.places(meshes, which);
+    };
+    plain_ = std::all_of(meshes.begin(), meshes.end(),
+                         [](const Instances &mesh) { return mesh.visibility == Visibility{}; });
+    opaque_ = std::all_of(meshes.begin(), meshes.end(), [](const Instances &mesh) {
+        return mesh.visibility.seen == Seen::SHOWN || mesh.visibility.seen == Seen::UNSEEN;
+    });
+    all_ = places([](const Visibility &) { return true; });
+    seen_ = plain_ ? all_ : places([](const Visibility &v) { return v.seen != Seen::UNSEEN; });
+    for (const Light &light : lights) {
+        if (light.reach.hidden_by != 0 && hiding_.count(light.reach.hidden_by) == 0) {
+            hiding_[light.reach.hidden_by] =
+                plain_ ? all_ : places([&](const Visibility &v) { return (v.hides & light.reach.hidden_by) != 0; });
+        }
+    }
+    if (!plain_) {
+        catchers_ = places([](const Visibility &v) { return v.seen == Seen::CATCHER; });
     }
     for (const Instances &mesh : meshes) {
         if (!stands(mesh)) {
@@ -263,18 +290,22 @@ Surfaces::Surfaces(std::span<const Instances> meshes, Solids &solids) : places_(
         for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
             views_.push_back(view_of(*mesh.shape, mesh.to_world[i], first_material));
             views_.back().object_index = i < mesh.index.size() ? static_cast<float>(mesh.index[i]) : 0.0F;
+            views_.back().visibility = mesh.visibility;
         }
     }
 }
 
-Surfaces::Surfaces(std::span<const Instances> meshes) {
-    Solids solids;
-    *this = Surfaces(meshes, solids);
+RayScene view_of(const std::shared_ptr<const Places> &places) {
+    return places ? RayScene{places->scene.get(), places->instanced} : RayScene{};
 }
 
 SurfaceView Surfaces::view() const {
-    return {places_ ? places_->scene.get() : nullptr, places_ && places_->instanced, views_.data(), properties_.data(),
-            tangents_};
+    return {view_of(all_), view_of(seen_), view_of(catchers_), plain_, views_.data(), properties_.data(), tangents_};
+}
+
+std::shared_ptr<const Places> Surfaces::hiding(const Light &light) const {
+    const auto found = hiding_.find(light.reach.hidden_by);
+    return found == hiding_.end() ? nullptr : found->second;
 }
 
 } // namespace sfumato

@@ -4,8 +4,10 @@
 
 #include "lights/gloss_curves.hpp"
 #include "scene/kept.hpp"
+#include "solids/embree.hpp"
 #include "solids/surface_view.hpp"
 
+#include <map>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -16,6 +18,7 @@
 namespace sfumato {
 
 struct Instances; // scene/scene.hpp
+struct Light;
 struct Shape;
 
 // Embree's objects are counted by Embree.
@@ -51,7 +54,8 @@ struct Places {
 class Solids {
 public:
     explicit Solids(int threads = 0); // of Embree's own work; 0: as many as there are
-    std::shared_ptr<const Places> places(std::span<const Instances> meshes); // null where there are no triangles
+    // Of the meshes whose turn it is, under their numbers among all; null where these have no triangles.
+    std::shared_ptr<const Places> places(std::span<const Instances> meshes, const std::vector<bool> &which);
     std::shared_ptr<const GlossCurves> curves(const Gloss &gloss);
     void end_round();
     // Ever.
@@ -60,7 +64,7 @@ public:
 
 private:
     std::shared_ptr<const Solid> solid(const std::shared_ptr<const Shape> &shape);
-    void attach(const Instances &mesh, Places &places, unsigned &number);
+    void attach(const Instances &mesh, Places &places, unsigned number);
 
     EmbreeDevice device_;
     int threads_;
@@ -69,17 +73,24 @@ private:
     Kept<GlossCurves> curves_;
 };
 
-// All meshes of a scene.
+RayScene view_of(const std::shared_ptr<const Places> &places);
+
+// All meshes of a scene, and which of them rays meet: those of the camera, and those that ask what hides a light. Where
+// nothing is left out these are one.
 class Surfaces {
 public:
-    Surfaces(std::span<const Instances> meshes, Solids &solids);
-    explicit Surfaces(std::span<const Instances> meshes);
+    Surfaces(std::span<const Instances> meshes, std::span<const Light> lights, Solids &solids);
 
     [[nodiscard]] SurfaceView view() const;
-    [[nodiscard]] const std::shared_ptr<const Places> &places() const { return places_; } // null without triangles
+    // Whether none that the camera sees is a holdout or a catcher.
+    [[nodiscard]] bool opaque() const { return opaque_; }
+    // What hides a light from others; null where nothing does.
+    [[nodiscard]] std::shared_ptr<const Places> hiding(const Light &light) const;
 
 private:
-    std::shared_ptr<const Places> places_;
+    std::shared_ptr<const Places> all_, seen_, catchers_;
+    std::map<LightSets, std::shared_ptr<const Places>> hiding_; // by Reach::hidden_by
+    bool plain_ = true, opaque_ = true;
     std::vector<PlaceView> views_;  // of each place
     std::vector<float> properties_; // of materials
     bool tangents_ = false;

@@ -6,7 +6,6 @@ from __future__ import annotations
 from . import Named, Struct
 
 SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
-SHOWN = (*SURFACES, "VOLUME")
 # Objects that Cycles renders and we do not, by their types, and what is said of them.
 _GREASE_PENCIL = "Grease Pencil is laid over the picture by Blender, whatever is before it"
 UNSHOWN = {
@@ -40,26 +39,20 @@ OBJECT = Struct(
         "active_shape_key_index show_only_shape_key add_rest_position_attribute use_simulation_cache",
         "materials": "material_slots active_material active_material_index",
         "the pass Object Index": "pass_index",
+        "holdouts, what casts shadows, what catches them, and what the camera sees": "is_holdout visible_shadow",
+        "what a light shows in: diffuse surfaces, glossy ones, smoke": "visible_diffuse visible_glossy "
+        "visible_volume_scatter",
+        "light linking": "light_linking",
         "whether it is hidden": "hide_render hide_viewport show_instancer_for_render show_instancer_for_viewport",
         "instances": "instance_type use_instance_vertices_rotation use_instance_faces_scale instance_faces_scale "
         "instance_collection is_instancer is_from_instancer is_from_set",
         "physics, by Blender": "field collision soft_body rigid_body rigid_body_constraint",
     },
     named=(
-        Named("is_holdout", (False,), "it is a Holdout, but is shown as it is", kinds=SHOWN),
-        Named("is_shadow_catcher", (False,), "it is a Shadow Catcher, but is shown as it is", kinds=SHOWN),
-        Named("visible_camera", (True,), "its Camera visibility is off, but the camera sees it", kinds=SHOWN),
-        Named("visible_shadow", (True,), "its Shadow visibility is off, but it casts one", kinds=SHOWN),
-        Named("visible_diffuse", (True,), "its Diffuse visibility is off, but it lights diffuse surfaces",
-              kinds=("LIGHT", "GLOWING")),
-        Named("visible_glossy", (True,), "its Glossy visibility is off, but it shines in glossy surfaces",
-              kinds=("LIGHT", "GLOWING")),
-        Named("visible_volume_scatter", (True,), "its Volume Scatter visibility is off, but it lights smoke",
-              kinds=("LIGHT", "GLOWING")),
+        Named("is_shadow_catcher", (False,), "smoke catches no shadow; it is shown as smoke", kinds=("VOLUME",),
+              elsewhere=True),
         Named("visible_camera", (False,), "its Camera visibility is on, but the lamp itself is not seen",
               kinds=("LIGHT",)),
-        Named("light_linking", (), "its light linking is not followed; it lights everything", kinds=("LIGHT",),
-              elsewhere=True),
         Named("particle_systems", (), "its particle system '{value}' is hair, which is not shown", elsewhere=True),
         Named("shadow_terminator_shading_offset", (0.0,), "its Shadow Terminator's Shading Offset of {value} is not "
               "followed; there is none", kinds=("GLOWING", "DARK")),
@@ -109,12 +102,7 @@ LIGHT_LINKING = Struct(
     "ObjectLightLinking",
     "object",
     "light_linking",
-    named=(
-        Named("receiver_collection", (None,), "its light linking is not followed; it lights everything",
-              kinds=("LIGHT",), elsewhere=True),
-        Named("blocker_collection", (None,), "its light linking is not followed; it lights everything",
-              kinds=("LIGHT",), elsewhere=True),
-    ),
+    followed={"light and shadow linking": "receiver_collection blocker_collection"},
 )  # fmt: skip
 
 _LAMPS_OF_EEVEE = (
@@ -122,7 +110,7 @@ _LAMPS_OF_EEVEE = (
     "shadow_filter_radius shadow_maximum_resolution shadow_jitter_overblur use_shadow_jitter use_absolute_resolution "
     "use_contact_shadow contact_shadow_bias contact_shadow_distance contact_shadow_thickness"
 )
-_SHADOW = Named("use_shadow", (True,), "its Shadow is off, but it casts one", elsewhere=True)
+_SHADOW = {"whether it casts shadows": "use_shadow"}
 _FALLOFF = {
     "falloffs that no engine has read since 2.8": "falloff_type falloff_curve linear_attenuation quadratic_attenuation "
     "constant_coefficient linear_coefficient quadratic_coefficient"
@@ -132,12 +120,12 @@ LIGHT = Struct(
     "Light",
     "light",
     followed={
+        **_SHADOW,
         "its kind": "type",
         "color, exposure and temperature": "color exposure use_temperature temperature temperature_color",
         "whether its power is normalized by its size": "normalize",
         "nodes: an Emission of a constant color and strength": "node_tree use_nodes",
     },
-    named=(_SHADOW,),
     idle={
         _EEVEE: "distance specular_factor diffuse_factor volume_factor transmission_factor use_custom_distance "
         "cutoff_distance",
@@ -147,8 +135,10 @@ CYCLES_LIGHT = Struct(
     "CyclesLightSettings",
     "light",
     "cycles",
-    followed={"portals, which give no light themselves": "is_portal"},
-    named=(Named("cast_shadow", (True,), "its Shadow is off, but it casts one", elsewhere=True),),
+    followed={
+        "portals, which give no light themselves": "is_portal",
+        "whether it casts shadows, before 4.2": "cast_shadow",
+    },
     idle={
         _SAMPLING: "use_multiple_importance_sampling",
         _INDIRECT: "max_bounces",
@@ -158,25 +148,23 @@ CYCLES_LIGHT = Struct(
 POINT = Struct(
     "PointLight",
     "light",
-    followed={"power, radius and soft falloff": "energy shadow_soft_size use_soft_falloff"},
-    named=(_SHADOW,),
+    followed={**_SHADOW, "power, radius and soft falloff": "energy shadow_soft_size use_soft_falloff"},
     idle={_EEVEE: _LAMPS_OF_EEVEE, **_FALLOFF},
 )
 SPOT = Struct(
     "SpotLight",
     "light",
     followed={
+        **_SHADOW,
         "power, radius and soft falloff": "energy shadow_soft_size use_soft_falloff",
         "the cone's size and blend": "spot_size spot_blend",
     },
-    named=(_SHADOW,),
     idle={_EEVEE: _LAMPS_OF_EEVEE + " use_square", _VIEWPORT: "show_cone", **_FALLOFF},
 )
 SUN = Struct(
     "SunLight",
     "light",
-    followed={"strength and angle": "energy angle"},
-    named=(_SHADOW,),
+    followed={**_SHADOW, "strength and angle": "energy angle"},
     idle={
         _EEVEE: _LAMPS_OF_EEVEE + " shadow_soft_size shadow_cascade_count shadow_cascade_exponent shadow_cascade_fade "
         "shadow_cascade_max_distance",
@@ -186,10 +174,10 @@ AREA = Struct(
     "AreaLight",
     "light",
     followed={
+        **_SHADOW,
         "power, shape, size and spread": "energy shape size size_y spread",
         "its size by another name, before 4.0": "shadow_soft_size",
     },
-    named=(_SHADOW,),
     idle={_EEVEE: _LAMPS_OF_EEVEE, **_FALLOFF},
 )
 

@@ -199,16 +199,13 @@ VIEW_LAYER = Struct(
     "layer",
     followed={
         "which collections and objects are in it": "layer_collection objects use",
+        "what is overridden in it": "material_override world_override",
+        "Surfaces, Volumes and Environment": "use_solid use_volumes use_sky",
         "the passes Combined, Depth, Mist, Position, Normal, Object and Material Index, and Shadow": "use_pass_combined "
         "use_pass_z use_pass_mist use_pass_position use_pass_normal use_pass_object_index use_pass_material_index "
         "use_pass_shadow",
     },
     named=(
-        Named("material_override", (None,), "the Material Override {value} is not followed; objects have their own"),
-        Named("world_override", (None,), "the World Override {value} is not followed; it has the scene's"),
-        Named("use_solid", (True,), "Surfaces are filtered out, but are shown"),
-        Named("use_volumes", (True,), "Volumes are filtered out, but are shown"),
-        Named("use_sky", (True,), "Environment is filtered out, but is shown"),
         Named("aovs", (0,), "these passes are not made, and stay out of the file: the AOV '…'", only=RENDER,
               elsewhere=True),
         Named("lightgroups", (0,), "these passes are not made, and stay out of the file: the light group '…'",
@@ -242,11 +239,10 @@ CYCLES_LAYER = Struct(
 LAYER_COLLECTION = Struct(
     "LayerCollection",
     "layer_collection",
-    followed={"collections that are excluded or hidden": "collection children exclude hide_viewport is_visible name"},
-    named=(
-        Named("holdout", (False,), "the collection is a Holdout in its view layer, but is shown as it is"),
-        Named("indirect_only", (False,), "the collection is Indirect Only in its view layer, but the camera sees it"),
-    ),
+    followed={
+        "collections that are excluded or hidden": "collection children exclude hide_viewport is_visible name",
+        "Holdout and Indirect Only": "holdout indirect_only",
+    },
 )
 
 STRUCTS = (SCENE, RENDER_SETTINGS, CYCLES, CYCLES_CURVES, VIEW_LAYER, CYCLES_LAYER, LAYER_COLLECTION)

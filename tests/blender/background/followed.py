@@ -74,6 +74,11 @@ TRIED_IN = {
     "passes.py": "ViewLayer.use_pass_z ViewLayer.use_pass_mist ViewLayer.use_pass_position ViewLayer.use_pass_normal "
     "ViewLayer.use_pass_object_index ViewLayer.use_pass_material_index ViewLayer.use_pass_shadow World.mist_settings "
     "Object.pass_index Material.pass_index",
+    "flags.py": "Object.is_holdout Object.visible_shadow Object.visible_diffuse Object.visible_glossy "
+    "Object.visible_volume_scatter Object.light_linking ObjectLightLinking.receiver_collection "
+    "ObjectLightLinking.blocker_collection Light.use_shadow PointLight.use_shadow SpotLight.use_shadow SunLight.use_shadow "
+    "AreaLight.use_shadow CyclesLightSettings.cast_shadow ViewLayer.material_override ViewLayer.world_override "
+    "ViewLayer.use_solid ViewLayer.use_volumes ViewLayer.use_sky LayerCollection.holdout LayerCollection.indirect_only",
     "pixel_filter.py": "CyclesRenderSettings.pixel_filter_type CyclesRenderSettings.filter_width",
     "several_views.py": "RenderSettings.use_multiview RenderSettings.views RenderSettings.stereo_views "
     "RenderSettings.views_format Camera.stereo",

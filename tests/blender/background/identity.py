@@ -133,6 +133,13 @@ def edits() -> list[tuple[str, Edit]]:
 
         return edit
 
+    def layer_collection() -> Any:
+        return bpy.context.view_layer.layer_collection.children[0]
+
+    def override() -> None:
+        bpy.context.view_layer.material_override = data.materials.new("Override")
+        data.materials["Override"].diffuse_color = (0.2, 0.4, 0.1, 1.0)
+
     def vertex() -> None:
         things["Cube"].data.vertices[0].co.z = 2.0
         things["Cube"].data.update()
@@ -168,6 +175,23 @@ def edits() -> list[tuple[str, Edit]]:
         ("positions written without a word", raw_positions),
         ("simplification", set_on(lambda: bpy.context.scene.render, "use_simplify", True)),
         ("its level", set_on(lambda: bpy.context.scene.render, "simplify_subdivision", 0)),
+        ("not for the camera", set_on(lambda: things["Ball"], "visible_camera", False)),
+        ("seen again", set_on(lambda: things["Ball"], "visible_camera", True)),
+        ("no shadow", set_on(lambda: things["Ball"], "visible_shadow", False)),
+        ("its shadow again", set_on(lambda: things["Ball"], "visible_shadow", True)),
+        ("a holdout", set_on(lambda: things["Cube"], "is_holdout", True)),
+        ("no holdout", set_on(lambda: things["Cube"], "is_holdout", False)),
+        ("a shadow catcher", set_on(lambda: things["Plane"], "is_shadow_catcher", True)),
+        ("no shadow catcher", set_on(lambda: things["Plane"], "is_shadow_catcher", False)),
+        ("a collection held out", set_on(layer_collection, "holdout", True)),
+        ("a collection shown", set_on(layer_collection, "holdout", False)),
+        ("a collection unseen", set_on(layer_collection, "indirect_only", True)),
+        ("a collection seen", set_on(layer_collection, "indirect_only", False)),
+        ("a lamp not diffuse", set_on(lambda: things["Sun"], "visible_diffuse", False)),
+        ("a lamp diffuse again", set_on(lambda: things["Sun"], "visible_diffuse", True)),
+        ("another material for all", override),
+        ("no surfaces", set_on(lambda: bpy.context.view_layer, "use_solid", False)),
+        ("surfaces again", set_on(lambda: bpy.context.view_layer, "use_solid", True)),
         ("another frame", lambda: bpy.context.scene.frame_set(7)),
     ]
 
@@ -195,7 +219,7 @@ def test_every_edit_is_followed() -> None:
                 changed.append(name)
             last = fresh
         print(f"  {len(changed)} edits are seen")
-        assert len(changed) >= 22, changed  # else the pictures prove nothing
+        assert len(changed) >= 38, changed  # else the pictures prove nothing
     finally:
         for handler in handlers:
             handler.remove(note)

@@ -32,6 +32,7 @@ using reference::testing::WHOLE;
 
 // Smoke, and the light that arrives in it.
 struct Lit {
+    Solids solids;
     Surfaces surfaces;
     std::vector<CroppedMedium> media;
     bool grey;
@@ -39,9 +40,9 @@ struct Lit {
     Lighting lighting;
 
     Lit(const Scene &scene, int samples, const InstructionSet &with = instruction_set())
-        : surfaces(scene.meshes), media(cropped(scene)),
+        : surfaces(scene.meshes, scene.lights, solids), media(cropped(scene)),
           grey(std::all_of(media.begin(), media.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
-          lighting(scene.lights, media, samples) {
+          lighting(scene.lights, media, surfaces, samples) {
         lighting.build_maps(media, surfaces, {31, 4.0}, with, parts);
         lighting.fill_volumes(media, grey, with, parts);
     }

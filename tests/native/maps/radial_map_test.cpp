@@ -217,9 +217,10 @@ TEST(RadialMap, KnowsTheFirstSolidOnEachOfItsRays) {
             const glm::vec3 at(glm::mix(light, middle, share) - glm::dvec3(0.21, 0.33, 0.13));
             scene.meshes.push_back(parallelogram(at, {0.7F, 0.2F, 0.1F}, {-0.1F, 0.8F, 0.3F}, glm::vec3(0.5F)));
         }
-        const Surfaces surfaces(scene.meshes);
+        Solids embree;
+        const Surfaces surfaces(scene.meshes, {}, embree);
         const LightMap map = build_radial_map(crop(medium), light, {1, 2.0});
-        const SolidDepths solids = find_solids(map, surfaces.view());
+        const SolidDepths solids = find_solids(map, surfaces.view().all);
         ASSERT_EQ(solids.size(), map.texels());
         const glm::dmat3 to_world = glm::transpose(glm::dmat3(map.world_to_light));
         int hits = 0;
