@@ -55,7 +55,10 @@ class Frame:
         """
     @property
     def media(self) -> list[Any]:
-        """A list of LitMedium, those that hold any smoke."""
+        """A list of LitMedium, those that hold any smoke and that the camera sees."""
+    @property
+    def opaque(self) -> bool:
+        """Whether every surface has an alpha of 1: none is held out, or catches shadows."""
     def passes(
         self,
         camera: Camera,
@@ -306,11 +309,13 @@ class Scene:
         diffuse: ArrayLike | None = None,
         object_index: ArrayLike | None = None,
         material_index: ArrayLike | None = None,
+        visibility: Visibility | None = None,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
         world. albedo (k, 3), gloss, emission (k, 3) and diffuse (k, 2) are those of add_mesh, a row for each
         material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what
-        Frame.passes gives by these names. Raises ValueError as add_mesh does, and for too few rows.
+        Frame.passes gives by these names; visibility, what it is to the camera and to lights, or all of that.
+        Raises ValueError as add_mesh does, and for too few rows.
         """
     def add_medium(
         self,
@@ -320,6 +325,7 @@ class Scene:
         absorption: ArrayLike,
         anisotropy: float = 0.0,
         colour: ArrayLike | None = None,
+        visibility: Visibility | None = None,
     ) -> None:
         """Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their
         densities add.

@@ -328,4 +328,23 @@ def test_rendered_view_is_scene_linear() -> Iterator[float | None]:
     assert not log.notices(), log.notices()
 
 
+def test_rendered_view_holds_out_and_catches_before_a_transparent_film() -> Iterator[float | None]:
+    """Where surfaces have an alpha of their own, the processor makes the whole picture."""
+    _space, _smoke = plume("RENDERED")
+    settings = bpy.context.scene
+    settings.render.engine, settings.render.film_transparent = "SFUMATO", True
+    settings.objects["Ball"].is_holdout = True
+    settings.objects["Floor"].is_shadow_catcher = True
+    with screen.watched() as seen:
+        yield from screen.drawn(seen)
+        shown = seen[-1][0]
+    quality = props.QUALITIES[settings.sfumato.quality]
+    frame = sfumato.Frame(scene.export(bpy.context.evaluated_depsgraph_get()).scene, **quality.frame)
+    height, width = shown.shape[:2]
+    cpu = frame.render(sfumato.Camera(screen.view_matrix()), width, height, edge_samples=quality.edge_samples)
+    partly = (cpu[..., 3] > 0.1) & (cpu[..., 3] < 0.9)
+    assert not frame.opaque and partly.sum() > 100 and (cpu[..., 3] == 0.0).any()
+    assert_same("plume on a plate", shown, cpu)
+
+
 harness.main()
