@@ -354,6 +354,7 @@ class Scene:
         facing_disk: bool = False,
         spot_cosine: bool = False,
         stretch: ArrayLike | None = None,
+        reach: Reach | None = None,
     ) -> None:
         """Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
         cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in

@@ -97,19 +97,9 @@ def adaptive(stage: Stage) -> str:
     return "Floor"
 
 
-def linking(which: str) -> Callable[[Stage], str]:
-    def link(stage: Stage) -> str:
-        setattr(stage.lamp.light_linking, which, bpy.data.collections.new("Linked"))
-        return "Lamp"
-
-    return link
-
-
-def shadowless(stage: Stage) -> str:
-    old = getattr(stage.lamp.data.cycles, "cast_shadow", None)
-    owner, name = (stage.lamp.data, "use_shadow") if old is None else (stage.lamp.data.cycles, "cast_shadow")
-    setattr(owner, name, False)
-    return "Lamp"
+def catching(stage: Stage) -> str:
+    stage.smoke.is_shadow_catcher = True
+    return "Smoke"
 
 
 def clipped(stage: Stage) -> str:
@@ -120,13 +110,9 @@ def clipped(stage: Stage) -> str:
 # What takes more than one property to be said, and how it comes about.
 TOGETHER: dict[tuple[str, str], Callable[[Stage], str]] = {
     ("Object", "particle_systems"): hair,
-    ("Object", "light_linking"): linking("receiver_collection"),
-    ("ObjectLightLinking", "receiver_collection"): linking("receiver_collection"),
-    ("ObjectLightLinking", "blocker_collection"): linking("blocker_collection"),
+    ("Object", "is_shadow_catcher"): catching,
     ("CyclesObjectSettings", "use_adaptive_subdivision"): adaptive,
-    ("CyclesLightSettings", "cast_shadow"): shadowless,
     ("VolumeRender", "clipping"): clipped,
-    **{(kind, "use_shadow"): shadowless for kind in ("Light", "PointLight", "SpotLight", "SunLight", "AreaLight")},
 }
 
 
