@@ -7,6 +7,8 @@ The numeric module answers under this package's name: `import sfumato; sfumato.t
 from __future__ import annotations
 
 import sys
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from . import core
@@ -20,6 +22,10 @@ bl_info = {
     "location": "Render engine menu, and the Sfumato tab of the 3D viewport's sidebar",
     "category": "Render",
 }
+
+
+_HERE = Path(__file__).resolve().parent
+switched_on = False
 
 
 def __dir__() -> list[str]:
@@ -42,17 +48,56 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"sfumato.{name}: {error}") from error
 
 
+class _Console(ModuleType):
+    """What `import sfumato` finds where the package has the longer name of an extension. Were it the package itself,
+    Blender would take it for an older Sfumato of the shorter name when it is to switch that one on, and switch it off.
+    """
+
+    def __init__(self, package: ModuleType) -> None:
+        super().__init__("sfumato", package.__doc__)
+        self.package = package
+        self.__file__, self.__path__ = package.__file__, package.__path__
+        self.__time__ = (_HERE / "__init__.py").stat().st_mtime  # else Blender reads the file again, under this name
+
+    def __dir__(self) -> list[str]:
+        return dir(self.package)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__") and name != "__all__":  # such as Blender's own mark of what is switched on
+            raise AttributeError(name)
+        return getattr(self.package, name)
+
+    def register(self) -> None:
+        raise RuntimeError(_twice(_HERE))
+
+
+def _twice(folder: Path) -> str:
+    return (
+        f"Sfumato is switched on already, the one in {folder}, and two at once would take each other's places. "
+        "Remove one of them and restart Blender."
+    )
+
+
 def register() -> None:
     from . import register_all
 
+    global switched_on
+    other = sys.modules.get("sfumato")
+    if other is not None and other is not sys.modules[__name__] and getattr(other, "switched_on", False):
+        raise RuntimeError(_twice(Path(str(other.__file__)).parent))
     register_all.register()
-    # An extension's package has a longer name; the console still says `import sfumato`.
-    sys.modules.setdefault("sfumato", sys.modules[__name__])
+    switched_on = True
+    if __name__ != "sfumato":
+        sys.modules["sfumato"] = _Console(sys.modules[__name__])
 
 
 def unregister() -> None:
     from . import register_all
 
+    global switched_on
+    if not switched_on:
+        return
+    switched_on = False
     register_all.unregister()
-    if sys.modules.get("sfumato") is sys.modules[__name__] and __name__ != "sfumato":
+    if isinstance(console := sys.modules.get("sfumato"), _Console) and console.package is sys.modules[__name__]:
         del sys.modules["sfumato"]
