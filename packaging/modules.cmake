@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The modules of a release, one for each Python that Blender has. They share nothing with the process that loads them:
-# Embree, oneTBB and libstdc++ are inside, and no name but PyInit_sfumato can be seen. Else every rtc* call would be bound
+# Embree, oneTBB, OpenImageIO and libstdc++ are inside, and no name but PyInit_sfumato can be seen. Else every rtc* call would be bound
 # to the Embree of Blender's executable, which may be another one.
 set(headers ${SFUMATO_THIRD_PARTY}/headers/usr/include)
+set(python_3.10 ${SFUMATO_THIRD_PARTY}/python3.10/include/python3.10)
 set(python_3.11 /usr/include/python3.11)
 set(python_3.13 ${headers} ${headers}/python3.13)
 
@@ -13,7 +14,7 @@ file(READ packaging/older_glibc.cpp older_glibc)
 string(REGEX MATCHALL "\n(REPLACED\\(|extern \"C\" int __wrap_)[a-z0-9_]+" replaced "${older_glibc}")
 list(TRANSFORM replaced REPLACE ".*(REPLACED.|__wrap_)" "LINKER:--wrap=")
 
-foreach(version 3.11 3.13)
+foreach(version 3.10 3.11 3.13)
   string(REPLACE . "" number ${version})
   set(module sfumato_${number})
   add_library(${module} MODULE ${module_sources} $<TARGET_OBJECTS:older_glibc>)

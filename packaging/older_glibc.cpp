@@ -32,6 +32,7 @@ REPLACED(dlopen, "2.2.5", void *, (const char *file, int mode), (file, mode))
 REPLACED(dlsym, "2.2.5", void *, (void *library, const char *name), (library, name))
 REPLACED(pthread_attr_getstack, "2.2.5", int, (const pthread_attr_t *a, void **at, std::size_t *size), (a, at, size))
 REPLACED(pthread_attr_setstacksize, "2.2.5", int, (pthread_attr_t *a, std::size_t size), (a, size))
+REPLACED(pthread_condattr_setclock, "2.3.3", int, (pthread_condattr_t *a, clockid_t clock), (a, clock))
 REPLACED(pthread_create, "2.2.5", int, (pthread_t *t, const pthread_attr_t *a, void *(*f)(void *), void *x), (t, a, f, x))
 REPLACED(pthread_detach, "2.2.5", int, (pthread_t t), (t))
 REPLACED(pthread_getaffinity_np, "2.3.4", int, (pthread_t t, std::size_t size, cpu_set_t *cpus), (t, size, cpus))
@@ -50,12 +51,22 @@ REPLACED(pthread_setspecific, "2.2.5", int, (pthread_key_t key, const void *valu
 // clang-format on
 
 // 2.33: functions of their own; before, one for all versions of the structure, of which this is the first and only.
+extern "C" int older_fxstat(int version, int file, struct stat *status);
 extern "C" int older_fxstat64(int version, int file, struct stat64 *status);
+extern "C" int older_lxstat(int version, const char *path, struct stat *status);
 extern "C" int older_xstat(int version, const char *path, struct stat *status);
+__asm__(".symver older_fxstat, __fxstat@GLIBC_2.2.5");
 __asm__(".symver older_fxstat64, __fxstat64@GLIBC_2.2.5");
+__asm__(".symver older_lxstat, __lxstat@GLIBC_2.2.5");
 __asm__(".symver older_xstat, __xstat@GLIBC_2.2.5");
+extern "C" int __wrap_fstat(int file, struct stat *status) {
+    return older_fxstat(1, file, status);
+}
 extern "C" int __wrap_fstat64(int file, struct stat64 *status) {
     return older_fxstat64(1, file, status);
+}
+extern "C" int __wrap_lstat(const char *path, struct stat *status) {
+    return older_lxstat(1, path, status);
 }
 extern "C" int __wrap_stat(const char *path, struct stat *status) {
     return older_xstat(1, path, status);
