@@ -64,7 +64,9 @@ class SfumatoEngine(bpy.types.RenderEngine):
         settings = depsgraph.scene
         # In a strip of a scene, or for one of several views, it is another camera than the scene's.
         camera = self.camera_override or settings.camera.evaluated_get(depsgraph)
-        view = np.linalg.inv(np.array(self.camera_model_matrix(camera), dtype=np.float64))
+        place = np.array(self.camera_model_matrix(camera), dtype=np.float64)
+        place[:3, 3] -= frame.origin
+        view = np.linalg.inv(place)
         projection = projection_of(camera, self.camera_shift_x(camera), settings.render, depsgraph)
         window, extent = border_of(settings.render, image_size(settings.render))
         wanted = passes.asked_for(depsgraph.view_layer)
@@ -80,7 +82,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
         )
         if images is None:
             return None
-        return passes.pixels_of(wanted, images, view)
+        return passes.pixels_of(wanted, images, view, frame.origin)
 
     def view_update(self, context: Any, depsgraph: Any) -> None:
         self.view_frame, self.view_filter = None, scene.filter_of(context.space_data)

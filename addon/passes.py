@@ -110,20 +110,23 @@ def mist_of(world: Any) -> tuple[float, float, float]:
 
 
 def eye_of(camera: Any, view: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-    """From where mist is measured, and along what; `view` takes the world to the camera."""
+    """From where mist is measured, and along what; `view` takes the frame's space to the camera."""
     to_world = np.linalg.inv(view)
     parallel = camera.data.type == "ORTHO"
     return {"eye": to_world[:3, 3], "axis": -to_world[:3, 2] if parallel else np.zeros(3)}
 
 
-def pixels_of(wanted: list[Pass], images: Images, view: NDArray[np.float64]) -> Images:
-    """The pixels (height, width, channels) of each pass by name; `view` takes the world to the camera."""
+def pixels_of(wanted: list[Pass], images: Images, view: NDArray[np.float64], origin: NDArray[np.float64]) -> Images:
+    """The pixels (height, width, channels) of each pass by name; `view` takes the frame's space, which begins at
+    `origin` in the world, to the camera."""
     out = {"Combined": images["picture"]}
     for each in wanted:
         image = images[each.image]
         if each.name == "Depth":
             depth = -(image[..., :3] @ view[2, :3] + view[2, 3])
             image = np.where(image[..., 3] > 0.0, depth, FARTHEST)[..., None]
+        elif each.name == "Position":
+            image = image[..., :3] + image[..., 3:] * origin.astype(np.float32)
         out[each.name] = image[..., : len(each.channels)]
     return out
 

@@ -31,6 +31,19 @@ class Export:
     drawn: set[str] = field(default_factory=set)  # objects whose smoke a viewport draws
 
 
+LATTICE = 256.0  # metres
+
+
+def origin_of(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a scene is exported relative to, (3,), of the places (n, 3) of all that it shows: single precision knows a place
+    to 1e-7 of its distance from the origin. The middle of most, on a lattice so coarse that an edit seldom moves it, which
+    would spoil all parts that are kept; near the world's own origin that one."""
+    places = places[np.isfinite(places).all(axis=1)]
+    middle = np.median(places, axis=0) if len(places) else np.zeros(3)
+    origin: NDArray[np.float64] = LATTICE * np.round(middle / LATTICE)
+    return origin
+
+
 @dataclass
 class _Group:
     """Surfaces that share a mesh and materials: the objects themselves may be gone when their matrices are known."""
@@ -106,6 +119,9 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
     media: list[tuple[int, str, smoke.Medium]] = []
     groups: dict[tuple[int, int], _Group | None] = {}
     shown, matrices = compat.instance_matrices(depsgraph)
+    origin = origin_of(matrices[shown, :3, 3])
+    matrices[:, :3, 3] -= origin
+    out.scene.set_origin(origin)
     filtered = bool(filter_of(space))
     for number, instance in enumerate(depsgraph.object_instances):
         if not shown[number]:
@@ -163,7 +179,7 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
 
 
 def frame_of(depsgraph: Any, source: str, parts: Parts | None = None, whole: bool = False, space: Any = None) -> Any:
-    """The native Frame of what `depsgraph` shows, in a 3D view if there is one, in the scene's quality; its notices go to
+    """The native Frame of what `depsgraph` shows, relative to its origin, in a 3D view if there is one, in the scene's quality; its notices go to
     the log under `source`.
 
     Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses, and where it must be

@@ -80,7 +80,7 @@ class _Overlay:
             # Blender applies the exposure only in views that are lit by the scene. Our smoke always is.
             exposure = 2.0**context.scene.view_settings.exposure
             exposed = scene_lights or (shading.type == "MATERIAL" and shading.use_scene_world)
-            look = look_of(context, overlay=True, solids_shade=scene_lights)
+            look = look_of(context, frame, overlay=True, solids_shade=scene_lights)
             picture = picture_of(context, frame, look)
             with target.bind():
                 painter().composite(picture.transmittance, "MULTIPLY", 1.0, 1.0)

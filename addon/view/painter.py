@@ -30,7 +30,7 @@ PICTURES_KEPT = 8  # a quad view has four
 class Look:
     """How a frame is looked at. A picture is good until this changes."""
 
-    matrix: tuple[float, ...]  # world -> NDC, row by row
+    matrix: tuple[float, ...]  # the frame's space -> NDC, row by row
     size: tuple[int, int]  # pixels
     overlay: bool = False  # over Blender's picture, or by ourselves
     solids_shade: bool = False  # whether that picture shows the shadows of solids; else an overlay adds those too

@@ -18,10 +18,16 @@ from . import refinement
 from .painter import Look, Picture, painter
 
 
-def look_of(context: bpy.types.Context, **kind: bool) -> Look:
-    """The view that is being drawn."""
-    matrix = tuple(value for row in context.region_data.perspective_matrix for value in row)
-    return Look(matrix, (context.region.width, context.region.height), **kind)
+def look_of(context: bpy.types.Context, frame: Any, **kind: bool) -> Look:
+    """The view that is being drawn, from the frame's own space. Blender has its place in single precision only: 100 km from
+    the origin it is 8 mm off."""
+    region, origin = context.region_data, frame.origin
+    matrix = np.array(region.perspective_matrix, dtype=np.float64)
+    if origin.any():
+        view = np.array(region.view_matrix, dtype=np.float64)
+        view[:3, 3] += view[:3, :3] @ origin
+        matrix = np.array(region.window_matrix, dtype=np.float64) @ view
+    return Look(tuple(matrix.ravel().tolist()), (context.region.width, context.region.height), **kind)
 
 
 def picture_of(context: bpy.types.Context, frame: Any, look: Look) -> Picture:
@@ -41,7 +47,7 @@ def picture_of(context: bpy.types.Context, frame: Any, look: Look) -> Picture:
 
 def draw_rendered(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, frame: Any) -> None:
     """Draw `frame`, a sfumato.Frame, as RenderEngine.view_draw should: scene-linear, Blender transforms it afterwards."""
-    picture = picture_of(context, frame, look_of(context))
+    picture = picture_of(context, frame, look_of(context, frame))
     transparent = depsgraph.scene_eval.render.film_transparent
     # An opaque picture needs nothing of what was there.
     blend, least_alpha = ("ALPHA_PREMULT", 0.0) if transparent else ("NONE", 1.0)

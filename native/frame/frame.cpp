@@ -22,7 +22,7 @@ Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<
              const InstructionSet &with)
     : instruction_set_(&with), prepared_(std::move(prepared)), clock_(std::make_unique<StageClock>()),
       step_length_(1.0 / settings.steps_per_cell), background_(scene.background),
-      background_alpha_(scene.background_alpha) {
+      background_alpha_(scene.background_alpha), origin_(scene.origin) {
     const std::lock_guard making(prepared_->making);
     content_ = prepared_->arena.execute([&] { return content_of({scene, settings, with, *prepared_}, *clock_); });
     prepared_->end_round();

@@ -54,6 +54,7 @@ public:
     // Whether every surface has an alpha of 1.
     [[nodiscard]] bool opaque() const { return content_.surfaces->opaque() || background_alpha_ == 1.0F; }
     [[nodiscard]] bool grey() const { return content_.grey; }
+    [[nodiscard]] const glm::dvec3 &origin() const { return origin_; }
     [[nodiscard]] double step_length() const { return step_length_; } // cells
     // What ran so far, and how long that took.
     [[nodiscard]] std::vector<StageClock::Row> stages() const { return clock_->rows(); }
@@ -69,6 +70,7 @@ private:
     double step_length_;
     glm::vec3 background_;
     float background_alpha_;
+    glm::dvec3 origin_;
     Content content_;
 };
 

@@ -395,6 +395,9 @@ the square of the light's size, as in falloff() of shaders/lights/light.glsl; st
         .def_property_readonly("grey", &Frame::grey, "Whether all smoke takes all colours alike: one march does.")
         .def_property_readonly("opaque", &Frame::opaque,
                                "Whether every surface has an alpha of 1: none is held out, or catches shadows.")
+        .def_property_readonly(
+            "origin", [](const Frame &frame) { return py::array_t<double>(3, &frame.origin().x); },
+            "The scene's, (3,): the place in the world to which cameras and points are relative.")
         .def_property_readonly("step_length", &Frame::step_length, "Of the march along view rays, in cells.")
         .def_property_readonly(
             "stages",

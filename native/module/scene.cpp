@@ -365,7 +365,23 @@ Raises ValueError for corners that are not flat and convex, or hold no area.
             },
             py::arg("radiance"), py::arg("alpha") = 0.0F,
             "Set the radiance (3,) where no surface is, and the alpha there. It lights nothing.\n\n"
-            ">>> Scene().set_background((0, 0, 0), alpha=1)\n");
+            ">>> Scene().set_background((0, 0, 0), alpha=1)\n")
+        .def(
+            "set_origin",
+            [](ConsoleScene &scene, const Doubles &origin) {
+                require_shape(origin, {3}, "origin");
+                require_range(origin, -1e15, 1e15, "origin");
+                scene.origin = {origin.at(0), origin.at(1), origin.at(2)};
+            },
+            py::arg("origin"),
+            R"(Say to which place (3,) in the world, metres, all that is added is relative: single precision knows a place
+to 1e-7 of its distance from there. Cameras are, too.
+
+>>> scene = Scene()
+>>> scene.set_origin((10000.0, 0.0, 0.0))
+>>> Frame(scene).origin.tolist()
+[10000.0, 0.0, 0.0]
+)");
 
     py::class_<Camera>(m, "Camera", R"(The rays of a projection.
 

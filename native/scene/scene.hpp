@@ -121,6 +121,7 @@ struct Scene {
     std::vector<Light> lights;
     glm::vec3 background{0.0F};    // radiance where no surface is; it lights nothing
     float background_alpha = 0.0F; // 1 where the picture is to have none of another behind it
+    glm::dvec3 origin{0.0};        // the place in the world to which all of it is relative
 };
 
 // Rays of a camera, perspective or orthographic. (u, v) runs over [0, 1]^2 from the lower left corner of the image:

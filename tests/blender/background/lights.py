@@ -184,13 +184,23 @@ def heptagon() -> None:
     bpy.ops.mesh.primitive_circle_add(vertices=7, radius=0.7, fill_type="NGON", **PLACE)
 
 
+def star() -> None:
+    """A face with ten corners, five of them concave."""
+    heptagon()
+    thing = bpy.context.object
+    angles = [0.2 * math.pi * i for i in range(10)]
+    corners = [((0.9, 0.4)[i % 2] * math.cos(a), (0.9, 0.4)[i % 2] * math.sin(a), 0.0) for i, a in enumerate(angles)]
+    thing.data = bpy.data.meshes.new("Star")
+    thing.data.from_pydata(corners, [], [tuple(range(10))])
+
+
 def cube() -> None:
     bpy.ops.mesh.primitive_cube_add(size=0.7, location=(0.2, 1.0, 1.5), rotation=(0.5, 0.3, 0.7))
 
 
 def test_emitting_meshes_light_the_floor_as_in_cycles() -> None:
     found = {}
-    for shape in (rectangle, trapezium, triangle, heptagon):
+    for shape in (rectangle, trapezium, triangle, heptagon, star):
         emitter(shape)
         found[shape.__name__] = difference(300)
     emitter(heptagon, principled=True)
