@@ -39,7 +39,7 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
         intensity, habits = colour * compat.size_factor(light) / (4.0 * math.pi), compat.point_light_habits(light)
         cone = cone_of(light, matrix) if light.type == "SPOT" else {}
         radius = float(light.shadow_soft_size)
-        scene.add_point(matrix[:3, 3], intensity, radius, forwards, **cone, **habits, reach=reaches)
+        scene.add_point(matrix[:3, 3], intensity, radius, **cone, **habits, reach=reaches)
     return True
 
 
@@ -63,12 +63,19 @@ def emission_of(thing: Any, notices: list[str]) -> NDArray[np.float64]:
 
 
 def cone_of(light: Any, matrix: NDArray[np.float64]) -> dict[str, Any]:
-    """The cone of a spot, as add_point takes it."""
-    cone: dict[str, Any] = {"cone": float(light.spot_size), "blend": float(light.spot_blend)}
-    lengths = np.linalg.norm(matrix[:3, :3], axis=0)
-    uneven = bool(np.ptp(lengths) > 1e-5 * lengths.max() and lengths.min() > 0.0)
-    if uneven and compat.scale_stretches_cones():
-        cone["stretch"] = (matrix[:3, :2] / lengths[2]).T
+    """The cone of a spot, as add_point takes it. It is round in the space of the object."""
+    cone: dict[str, Any] = {
+        "direction": -matrix[:3, 2],
+        "cone": float(light.spot_size),
+        "blend": float(light.spot_blend),
+    }
+    to_world = matrix[:3, :3]
+    lengths = np.linalg.norm(to_world, axis=0)
+    angles = to_world.T @ to_world - np.diag(lengths**2)
+    uneven = max(float(np.ptp(lengths**2)), float(np.abs(angles).max())) > 1e-5 * float(lengths.max()) ** 2
+    if uneven and abs(float(np.linalg.det(to_world))) > 1e-12 and compat.scale_stretches_cones():
+        x, y, z = np.linalg.inv(to_world) / np.linalg.norm(np.linalg.inv(to_world)[2])
+        cone.update(direction=-z, across=np.stack([x, y]))
     return cone
 
 

@@ -55,14 +55,10 @@ bool meets(const LightView &light, const glm::dvec3 &sample, const Ball &ball) {
     if (light.kind != Light::Kind::SPHERE) {
         return along > -ball.radius;
     }
-    if (light.cone_cosine <= -1.0F || distance <= ball.radius) {
+    if (light.cone_cosine <= -1.0F || light.oval || distance <= ball.radius) {
         return true;
     }
-    double cone = std::acos(std::clamp(double{light.cone_cosine}, -1.0, 1.0));
-    if (light.oval) {
-        const double narrowest = std::min(glm::length(glm::dvec3(light.across)), glm::length(glm::dvec3(light.up)));
-        cone = std::atan2(std::sin(cone), std::cos(cone) * std::min(narrowest, 1.0));
-    }
+    const double cone = std::acos(std::clamp(double{light.cone_cosine}, -1.0, 1.0));
     return std::acos(std::clamp(along / distance, -1.0, 1.0)) - std::asin(ball.radius / distance) < cone;
 }
 

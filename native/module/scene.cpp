@@ -168,7 +168,7 @@ void add_sun(ConsoleScene &scene, const Floats &direction, const Floats &irradia
 
 void add_point(ConsoleScene &scene, const Floats &position, const Floats &intensity, float radius,
                const Floats &direction, float cone, float blend, bool facing_disk, bool spot_cosine,
-               const py::object &stretch, const std::optional<Reach> &reach) {
+               const py::object &across, const std::optional<Reach> &reach) {
     Light light;
     light.reach = reach.value_or(Reach{});
     light.kind = Light::Kind::SPHERE;
@@ -183,17 +183,12 @@ void add_point(ConsoleScene &scene, const Floats &position, const Floats &intens
     light.blend = blend;
     light.facing_disk = facing_disk;
     light.spot_cosine = spot_cosine;
-    if (!stretch.is_none()) {
-        const Floats axes(any_array(stretch, "stretch"));
-        require_shape(axes, {2, 3}, "stretch");
-        require_range(axes, -1e6F, 1e6F, "stretch");
-        const glm::vec3 x(axes.at(0, 0), axes.at(0, 1), axes.at(0, 2)), y(axes.at(1, 0), axes.at(1, 1), axes.at(1, 2));
-        const float shortest = std::min(glm::length(x), glm::length(y));
-        if (!(shortest >= 1e-6F)) {
-            throw py::value_error("stretch has an axis of length " + text(shortest) + ", which leaves no cone");
-        }
-        light.across = x / glm::dot(x, x);
-        light.up = y / glm::dot(y, y);
+    if (!across.is_none()) {
+        const Floats axes(any_array(across, "across"));
+        require_shape(axes, {2, 3}, "across");
+        require_range(axes, -1e6F, 1e6F, "across");
+        light.across = {axes.at(0, 0), axes.at(0, 1), axes.at(0, 2)};
+        light.up = {axes.at(1, 0), axes.at(1, 1), axes.at(1, 2)};
         light.oval = true;
     }
     scene.lights.push_back(light);
@@ -330,12 +325,13 @@ faces it; angle, its angular diameter in radians; reach, what it reaches and wha
         .def("add_point", &add_point, py::arg("position"), py::arg("intensity"), py::arg("radius") = 0.0F,
              py::arg("direction") = std::array<float, 3>{0.0F, 0.0F, -1.0F}, py::arg("cone") = 6.2831853F,
              py::arg("blend") = 0.0F, py::arg("facing_disk") = false, py::arg("spot_cosine") = false,
-             py::arg("stretch") = py::none(), py::arg("reach") = py::none(),
+             py::arg("across") = py::none(), py::arg("reach") = py::none(),
              R"(Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
 cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in over the share
 blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere looks as large as a disk of
 its radius that faces the eye, and with spot_cosine a spot dims by the cosine to its axis, too.
-stretch (2, 3) are two axes across the direction: at a distance, the cone is as many times as wide along each as it is long.
+across (2, 3) are two axes that with the direction measure the cone, which is round where they are unit vectors across
+it, and narrower along longer ones.
 
 >>> Scene().add_point((0, 0, 3), (10, 10, 10), radius=0.1, cone=0.8, blend=0.15)
 )")

@@ -59,6 +59,9 @@ class Frame:
     @property
     def opaque(self) -> bool:
         """Whether every surface has an alpha of 1: none is held out, or catches shadows."""
+    @property
+    def origin(self) -> NDArray[numpy.float64]:
+        """The scene's, (3,): the place in the world to which cameras and points are relative."""
     def passes(
         self,
         camera: Camera,
@@ -353,15 +356,15 @@ class Scene:
         blend: float = 0.0,
         facing_disk: bool = False,
         spot_cosine: bool = False,
-        stretch: ArrayLike | None = None,
+        across: ArrayLike | None = None,
         reach: Reach | None = None,
     ) -> None:
         """Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
         cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in
         over the share blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere
         looks as large as a disk of its radius that faces the eye, and with spot_cosine a spot dims by the cosine
-        to its axis, too. stretch (2, 3) are two axes across the direction: at a distance, the cone is as many
-        times as wide along each as it is long.
+        to its axis, too. across (2, 3) are two axes that with the direction measure the cone, which is round
+        where they are unit vectors across it, and narrower along longer ones.
         """
     def add_polygon(self, corners: ArrayLike, radiance: ArrayLike, reach: Reach | None = None) -> None:
         """Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners (3,
@@ -376,6 +379,10 @@ class Scene:
         """
     def set_background(self, radiance: ArrayLike, alpha: float = 0.0) -> None:
         """Set the radiance (3,) where no surface is, and the alpha there. It lights nothing."""
+    def set_origin(self, origin: ArrayLike) -> None:
+        """Say to which place (3,) in the world, metres, all that is added is relative: single precision knows a
+        place to 1e-7 of its distance from there. Cameras are, too.
+        """
 
 class Visibility:
     """What an object is to the camera and to lights."""

@@ -39,6 +39,8 @@ def arrange(
     for thing in (lamp, holder, scene.camera):
         scene.collection.objects.link(thing)
     scene.world = None
+    if hasattr(scene.cycles, "use_light_tree"):
+        scene.cycles.use_light_tree = False  # it looks for the light of a skewed spot only where that of a round one is
     scene.sfumato.quality = "FINAL"
     scene.render.resolution_percentage = 100
 
