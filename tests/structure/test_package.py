@@ -176,8 +176,8 @@ def test_pictures_are_read_without_threads(loadable: Path, tmp_path: Path) -> No
     script = f"""if True:
         from sfumato import core
         import os
-        before = len(os.listdir("/proc/self/task"))
         read = core.module().unreadable_picture
+        before = len(os.listdir("/proc/self/task"))
         print(read({str(EXR)!r}), read({str(PNG)!r}), len(os.listdir("/proc/self/task")) - before, read({str(cut)!r}))"""
     said = run(script, PYTHONPATH=str(loadable.parent))
     assert said.startswith(f"None None 0 '{cut}' cannot be read whole: "), said
