@@ -574,9 +574,9 @@ def test_a_refusal_changes_nothing() -> None:
     scene = scene_of()
     before = picture(scene)
     refusals: list[Callable[[], Any]] = [
-        lambda: scene.add_mesh(**{**TRIANGLE, "material": [7]}),
-        lambda: scene.add_medium(**{**MEDIUM, "anisotropy": 2.0}),
-        lambda: scene.add_sun(**{**SUN, "angle": -1.0}),
+        lambda: scene.add_mesh(**dict(TRIANGLE, material=[7])),
+        lambda: scene.add_medium(**dict(MEDIUM, anisotropy=2.0)),
+        lambda: scene.add_sun(**dict(SUN, angle=-1.0)),
         lambda: scene.set_background((NAN, 0, 0)),
     ]
     for refused in refusals:
