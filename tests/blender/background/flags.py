@@ -71,7 +71,7 @@ def arrange() -> Parts:
     smoke.scale = (scale,) * 3
     smoke.location = Vector((-1.3, 0.0, 1.2)) - Vector(0.5 * scale * (low + high))
     shader = harness.shade(smoke.data, "ShaderNodeVolumePrincipled", "Volume")
-    shader.inputs["Density"].default_value = 1.2
+    shader.inputs["Density"].default_value = 0.8  # so thin that the middle of a pixel stands for it
     floor, box = plane_mesh("Floor", 9.0), box_mesh("Box", (0.6, 0.6, 0.4))
     for mesh in (floor, box):
         harness.shade(mesh, "ShaderNodeBsdfDiffuse")
@@ -269,7 +269,6 @@ def test_flags_that_change_nothing() -> None:
         "smoke: not in smoke": turn("smoke", visible_volume_scatter=False),
         "box: not diffuse": turn("box", visible_diffuse=False, visible_glossy=False, visible_transmission=False),
         "sun: not transmission": turn("sun", visible_transmission=False),
-        "sun: not for the camera": turn("sun", visible_camera=not bpy.data.objects["Sun"].visible_camera),
     }.items():
         parts = arrange()
         before = pictures.render(SIZE)
