@@ -134,7 +134,7 @@ struct Cubes {
     }
     [[nodiscard]] float longest_step(int /*m*/) const { return 1.0F; }
     [[nodiscard]] float extinction_of(int /*m*/) const { return 1.0F; }
-    [[nodiscard]] glm::vec3 scattering_of(int m) const { return {1.0F, 0.5F, m == 0 ? 0.0F : 1.0F}; }
+    [[nodiscard]] glm::vec3 scattering_at(int m, const glm::vec3 &) const { return {1.0F, 0.5F, m == 0 ? 0.0F : 1.0F}; }
     [[nodiscard]] float anisotropy_of(int /*m*/) const { return 0.0F; }
     [[nodiscard]] Arriving light_at(int /*m*/, const glm::vec3 & /*place*/, int /*light*/) const {
         return {std::log(2.0F), 0.5F};
