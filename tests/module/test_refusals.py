@@ -58,6 +58,7 @@ VALUES: dict[str, Any] = {
     "corners": QUAD,
     "direction": (0, 0, -1),
     "irradiance": (1, 1, 1),
+    "origin": (0, 0, 0),
     "centre": (0, 0, 2),
     "u": (0.5, 0, 0),
     "v": (0, 0.5, 0),
