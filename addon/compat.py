@@ -172,12 +172,6 @@ def facets_are_lossless(shader: Any) -> bool:
     return bool(bpy.app.version >= (4, 0, 0)) and shader.distribution == "MULTI_GGX"
 
 
-def diffuse_is_burleys() -> bool:
-    """Whether the diffuse part of a Principled BSDF is Burley's, of its one roughness, as before 4.0. 'no specular': .3842
-    in 3.4.1, .2736 in 4.2.23."""
-    return bool(bpy.app.version < (4, 0, 0))
-
-
 def grooves() -> int:
     """What kind of native diffuse surface Cycles' rough ones are, by Oren and Nayar: until 4.2.23 of one reflection, from
     4.3.2 on of all, and up to 5.2.2 with the later ones in the colour of one reflection more. 'rough diffuse, towards the

@@ -55,9 +55,9 @@ class SfumatoEngine(bpy.types.RenderEngine):
         result = self.begin_result(0, 0, width, height, layer=layer.name)
         compat.set_pixels(result.layers[0], views)
         self.end_result(result)
-        whole = self.get_result()
+        written = self.get_result()
         for name, value in log.metadata(props.of(settings).quality).items():
-            whole.stamp_data_add_field(name, value)
+            written.stamp_data_add_field(name, value)
 
     def images_of(self, frame: Any, depsgraph: Any) -> passes.Images | None:
         """The pixels of all passes of the active view, or None where the artist stopped it."""

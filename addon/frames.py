@@ -75,7 +75,7 @@ def look_for_broken(scene: Any) -> list[str]:
         except OSError as error:
             said.append(f"{why}, and it cannot be moved aside: {error.strerror}. Delete it to have the frame rendered")
             continue
-        said.append(f"{why}; its name is '{os.path.basename(path)}{ASIDE}' now, and the frame is rendered again")
+        said.append(f"{why}; its name is '{os.path.basename(path)}{ASIDE}' now, and an animation renders it again")
     return said
 
 

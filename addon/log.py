@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass
 
 NAMES_PRINTED = 5
+_NOT_OBJECTS = {"'": "files", "View layer": "view layers"}  # how names begin that are not those of objects
 _NUMBER = re.compile(r"(?<![\w.'])-?\d+(?:\.\d+)?(?![\w']|\.\d)")
 
 _notices: dict[str, list[str]] = {}
@@ -28,7 +29,10 @@ class Group:
         return ": ".join([*self._whom(), self.sentence])
 
     def _whom(self) -> list[str]:
-        return list(self.names) if len(self.names) < 2 else [f"{len(self.names)} objects"]
+        if len(self.names) < 2:
+            return list(self.names)
+        others = [kind for start, kind in _NOT_OBJECTS.items() if self.names[0].startswith(start)]
+        return [f"{len(self.names)} {others[0] if others else 'objects'}"]
 
     def printed(self) -> str:
         """As in the terminal, where nothing can be asked for: with the first of many names."""

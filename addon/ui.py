@@ -177,7 +177,7 @@ class SfumatoRenderNoticesPanel(NoticesPanel, bpy.types.Panel):
 
     @staticmethod
     def sources(_context: Any) -> tuple[str, ...]:
-        return "start", "render", "view"
+        return "start", "render", "passes", "frames", "view"
 
 
 class SfumatoRenderStagesPanel(StagesPanel, bpy.types.Panel):

@@ -51,7 +51,7 @@ def value_of(node: Any, name: str, owner: str, notices: list[str]) -> Any:
         else:
             source = socket  # a colour for a number
     if source is not None and source.type not in {"VALUE", "RGB"}:
-        notices.append(f"{owner}: the link into '{name}' is not followed yet; its own value is used")
+        notices.append(f"{owner}: the link into '{name}' is not followed; its own value is used")
     return value if isinstance(value, (int, float, str)) else np.array(value[:3], dtype=np.float64)
 
 
@@ -123,9 +123,14 @@ def _principled_smoke(node: Any, name: str, notices: list[str]) -> Smoke:
     return Smoke(density * colour, absorption, anisotropy, attribute, tint)
 
 
+def world_of(depsgraph: Any) -> Any | None:
+    """The scene's, or the view layer's own, which it may have since 4.3."""
+    return getattr(depsgraph.view_layer_eval, "world_override", None) or depsgraph.scene_eval.world
+
+
 def background(depsgraph: Any, notices: list[str]) -> NDArray[np.float64]:
-    """The radiance of the world, or the view layer's own, where it is one colour."""
-    world = getattr(depsgraph.view_layer_eval, "world_override", None) or depsgraph.scene.world  # the former since 4.3
+    """The radiance of the world where it is one colour."""
+    world = world_of(depsgraph)
     if world is None:
         return np.zeros(3)
     if not compat.uses_nodes(world) or world.node_tree is None:

@@ -74,19 +74,18 @@ def lies_over(space: Any) -> bool:
     return space is not None and space.shading.type != "RENDERED"
 
 
-def of_frame(depsgraph: Any, space: Any, notices: list[str]) -> None:
+def of_frame(depsgraph: Any, world: Any | None, space: Any, notices: list[str]) -> None:
     """What the scene, its view layer, its camera and its world are set to, as far as a 3D view, if there is one, shows it:
     a camera matters where one looks through it."""
     if lies_over(space):
         return
     scene, layer, render = depsgraph.scene_eval, depsgraph.view_layer_eval, depsgraph.mode == "RENDER"
     of("scene", scene, scene.name, notices, render=render)
-    of("layer", layer, f"View layer '{layer.name}'", notices, render=render)
     camera = scene.camera
     if camera is not None and (space is None or _looks_through(space)):
         of("camera", camera.data, camera.name, notices)
-    if scene.world is not None:
-        _of_world(scene.world, scene.render.film_transparent, notices)
+    if world is not None:
+        _of_world(world, scene.render.film_transparent or not layer.use_sky, notices)
 
 
 def _of_world(world: Any, unseen: bool, notices: list[str]) -> None:

@@ -170,7 +170,7 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
     if lit > MOST_LIGHTS:
         out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
     add_media(out, [(name, medium, seen.get(number)) for number, name, medium in media])
-    omissions.of_frame(depsgraph, space, out.notices)
+    omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices)
     if not depsgraph.scene.render.film_transparent:
         world = materials.background(depsgraph, looks) if layer.use_sky else (0.0, 0.0, 0.0)
         out.scene.set_background(world, alpha=1.0)

@@ -99,6 +99,7 @@ struct PassLayers {
     alignas(64) float object_index[MAX_LANES];
     alignas(64) float material_index[MAX_LANES];
     alignas(64) float open[3][MAX_LANES];       // the radiance, were there no smoke; the background's too
+    alignas(64) float past_smoke[3][MAX_LANES]; // the same in the smoke's shadow
     alignas(64) float shadowed[3][MAX_LANES];   // the light that is reflected, in all shadows
     alignas(64) float unshadowed[3][MAX_LANES]; // were there no shadows at all
 };

@@ -46,7 +46,7 @@ constexpr std::array KINDS = {
              }},
     PassKind{"smoke_shadow", Layer::LEFT_BY_SMOKE, 3, 6, true,
              [](const Layers &layers, std::size_t lane, float *values) {
-                 read_three(layers.surface, lane, values);
+                 read_three(layers.passes->past_smoke, lane, values);
                  read_three(layers.passes->open, lane, values + 3);
              }},
     // Of each sample, as Cycles 3.4 has it: 0 where there is no light.

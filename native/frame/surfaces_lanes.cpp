@@ -334,7 +334,8 @@ Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packe
         }
         if (!radiance) {
             // From the light's middle: a share's denominator must not depend on where this sample fell.
-            const Real irradiance = pick(surface.hit, sample_towards(light, start, 0.5F, 0.5F).irradiance, 0.0F);
+            const Real whole = sample_towards(light, start, 0.5F, 0.5F).irradiance;
+            const Real irradiance = light.reach.diffuse ? pick(reached, whole, 0.0F) : Real(0.0F);
             for (int c = 0; c < 3; ++c) {
                 facing[c] = facing[c] + irradiance * light.strength[c];
             }
@@ -399,9 +400,10 @@ Real mist_at(const Mist &mist, const vec3 &point, Mask hit) {
     return pick(hit, xsimd::pow(share, Real(mist.power)), 1.0F);
 }
 
-// `shadowed` and `open` are those of the packet, the background's too.
+// `light` is that of the surfaces themselves, also where holdouts and catchers show something else; `shadowed` and
+// `open` are those of the packet, the background's too.
 void store_passes(const FrameView &frame, LayerSet wanted, const Ray &ray, const Surface &surface,
-                  const Reflected &light, const Real (&open)[3], PassLayers &out) {
+                  const Reflected &light, const Real (&shadowed)[3], const Real (&open)[3], PassLayers &out) {
     const vec3 point = ray.origin + ray.direction * surface.distance, nothing = broadcast(glm::vec3(0.0F));
     if (wanted.has(Layer::POSITION)) {
         store(pick(surface.hit, point, nothing), out.position);
@@ -423,7 +425,8 @@ void store_passes(const FrameView &frame, LayerSet wanted, const Ray &ray, const
     }
     const Real glow[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
     for (int c = 0; c < 3; ++c) {
-        open[c].store_aligned(out.open[c]);
+        pick(surface.hit, light.open[c], open[c]).store_aligned(out.open[c]);
+        pick(surface.hit, light.shadowed[c], shadowed[c]).store_aligned(out.past_smoke[c]);
         pick(surface.hit, light.shadowed[c] - glow[c], 0.0F).store_aligned(out.shadowed[c]);
         pick(surface.hit, light.lit[c], 0.0F).store_aligned(out.unshadowed[c]);
     }
@@ -447,8 +450,9 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
     Real unshadowed = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
     Real cover = pick(surface.hit, 1.0F, frame.background_alpha), caught = 0.0F, caught_open = 0.0F;
     Reflected light{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    Reflected own = light;
     if (xsimd::any(surface.hit)) {
-        light = reflected(frame, wanted, packet, ray, surface);
+        own = light = reflected(frame, wanted, packet, ray, surface);
         if (radiance && !frame.surfaces.plain) {
             const Mask held = where(surface, [](const Visibility &v) { return v.seen == Seen::HOLDOUT; });
             const Mask catching = catchers(surface);
@@ -483,7 +487,7 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
         shadowed[i].store_aligned(out.surface[i]);
     }
     if (out.passes != nullptr) {
-        store_passes(frame, wanted, ray, surface, light, open, *out.passes);
+        store_passes(frame, wanted, ray, surface, own, shadowed, open, *out.passes);
     }
 }
 

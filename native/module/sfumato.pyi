@@ -77,8 +77,8 @@ class Frame:
         filter_width: float = 1.5,
     ) -> Any:
         """A dictionary of images (height, width, n) float32: "picture", which is what render() makes, and those of
-        names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the world,
-        and 1 where there is a surface, 0 where there is none; "object_index" and "material_index" (1) as
+        names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the scene's
+        space, and 1 where there is a surface, 0 where there is none; "object_index" and "material_index" (1) as
         add_instances has them, else 0. Filtered as the picture is: "normal" (3), in the world and towards the
         eye; "mist" (1); "smoke" (4), premultiplied: what the smoke before the surface sends, and how much it
         hides; "smoke_shadow" (3), the share of a surface's radiance that smoke leaves it; "shadow" (3), the share

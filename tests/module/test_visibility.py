@@ -120,6 +120,29 @@ def test_the_shadow_of_smoke_by_light() -> None:
     assert frame.light_map(light=0) is None and frame.light_map(light=1) is not None
 
 
+@pytest.mark.parametrize("unseen", [{"lamp": Reach(lights=2)}, {"lamp": Reach(diffuse=False)}])
+def test_a_share_in_shadow_is_of_the_lights_that_reach_a_surface(unseen: dict[str, Any]) -> None:
+    floor = Visibility(lit_by=1)
+
+    def shadow(scene: Scene) -> NDArray[np.float64]:
+        return np.asarray(Frame(scene).surfaces(CAMERA, *SIZE, output="smoke_shadow"), np.float64)
+
+    alone = shadow(scene_of(floor=floor, without="card lamp"))
+    assert alone[..., :3].max() > 0.1
+    require_same(shadow(scene_of(floor=floor, without="card", **unseen)), alone)
+
+
+@pytest.mark.parametrize("seen", ["catcher", "holdout"])
+def test_the_shadows_of_a_plate_are_those_of_what_stands_there(seen: str) -> None:
+    found = []
+    for floor in (None, Visibility(seen=seen)):
+        frame = Frame(scene_of(floor=floor, without="card"))
+        found.append(frame.passes(CAMERA, *SIZE, ["smoke_shadow", "shadow"], edge_samples=1))
+    for name in ("smoke_shadow", "shadow"):
+        assert found[0][name].min() < 0.9
+        require_same(found[1][name], found[0][name])
+
+
 def test_smoke_that_is_not_reached_has_only_the_others() -> None:
     ways: list[dict[str, Any]] = [
         {"sun": Reach(smoke=False)},
