@@ -257,7 +257,25 @@ CheckedGrid grid_from_file(const std::string &path, const std::string &grid, flo
 
 } // namespace
 
+namespace {
+
+// The judge shows everything to the camera and every light to everything.
+template <typename Thing, typename Plain>
+void require_plain(const std::vector<Thing> &things, const std::string &name, const Plain &is_plain) {
+    const auto other = std::find_if_not(things.begin(), things.end(), is_plain);
+    if (other != things.end()) {
+        throw py::value_error(name + " " + text(other - things.begin()) + ", which the reference does not know");
+    }
+}
+
+} // namespace
+
 Scene ConsoleScene::for_reference() const {
+    const auto seen = [](const auto &thing) { return thing.visibility == Visibility{}; };
+    require_plain(meshes, "there is a visibility of mesh", seen);
+    require_plain(media, "there is a visibility of medium", seen);
+    require_plain(lights, "there is a reach of light", [](const Light &l) { return l.reach == Reach{}; });
+    require_plain(lights, "there is a stretched cone of light", [](const Light &l) { return !l.oval; });
     Scene scene = *this;
     for (std::size_t i = 0; i < densities.size(); ++i) {
         if (!densities[i]) {

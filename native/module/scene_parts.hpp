@@ -54,7 +54,7 @@ struct ConsoleScene : Scene {
     std::vector<std::optional<arguments::Floats>> densities; // of each medium; none where it came as a grid
     std::vector<std::optional<arguments::Floats>> colours;   // of each medium
 
-    // With all densities. Raises ValueError where a medium came as a grid.
+    // With all densities. Raises ValueError where a medium came as a grid, and for flags, which the reference has not.
     [[nodiscard]] Scene for_reference() const;
 };
 

@@ -29,6 +29,8 @@ struct Reach {
     LightSets lights = 1, hidden_by = 1;
     bool diffuse = true, gloss = true, smoke = true; // whether it shows in what surfaces reflect, and in smoke
     bool plate = true; // whether it also lights the plate: what catchers are before anything stands on them
+
+    friend bool operator==(const Reach &, const Reach &) = default;
 };
 
 } // namespace sfumato

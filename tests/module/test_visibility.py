@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sfumato import Camera, Frame, Mesh, Prepared, Reach, Scene, Visibility
+from sfumato import Camera, Frame, Mesh, Prepared, Reach, Scene, Visibility, reference
 
 SIZE = 32, 24
 # From above onto 4 by 3 metres, from 4 metres up.
@@ -141,6 +141,19 @@ def test_the_shadows_of_a_plate_are_those_of_what_stands_there(seen: str) -> Non
     for name in ("smoke_shadow", "shadow"):
         assert found[0][name].min() < 0.9
         require_same(found[1][name], found[0][name])
+
+
+@pytest.mark.parametrize(
+    ("flags", "name"),
+    [
+        ({"card": Visibility(seen="holdout")}, "visibility of mesh 1"),
+        ({"smoke": Visibility(hides=2)}, "visibility of medium 0"),
+        ({"lamp": Reach(gloss=False)}, "reach of light 1"),
+    ],
+)
+def test_the_judge_refuses_what_it_does_not_know(flags: dict[str, Any], name: str) -> None:
+    with pytest.raises(ValueError, match=name):
+        reference.render(scene_of(**flags), CAMERA, 2, 2)
 
 
 def test_smoke_that_is_not_reached_has_only_the_others() -> None:
