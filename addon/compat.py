@@ -231,16 +231,20 @@ def multiply_node(tree: Any) -> tuple[Any, tuple[Any, Any], Any]:
     if hasattr(bpy.types, "CompositorNodeMixRGB"):
         node = tree.nodes.new("CompositorNodeMixRGB")
         node.blend_type = "MULTIPLY"
-        return node, (node.inputs[1], node.inputs[2]), node.outputs[0]
+        return node, colour_inputs(node), node.outputs[0]
     node = tree.nodes.new("ShaderNodeMix")
     node.data_type, node.blend_type, node.clamp_result = "RGBA", "MULTIPLY", False
     node.inputs[0].default_value = 1.0
-    colours = [socket for socket in node.inputs if socket.type == "RGBA"]
-    return node, (colours[0], colours[1]), next(socket for socket in node.outputs if socket.type == "RGBA")
+    return node, colour_inputs(node), next(socket for socket in node.outputs if socket.type == "RGBA")
 
 
 def over_node(tree: Any) -> tuple[Any, tuple[Any, Any]]:
     """A compositor's node that lays one premultiplied picture over another: it, and the inputs of that behind and before."""
     node = tree.nodes.new("CompositorNodeAlphaOver")
-    colours = [socket for socket in node.inputs if socket.type == "RGBA"]
-    return node, (colours[0], colours[1])
+    return node, colour_inputs(node)
+
+
+def colour_inputs(node: Any) -> tuple[Any, Any]:
+    """The two colours that a compositor's node makes one of."""
+    first, second = [socket for socket in node.inputs if socket.type == "RGBA"][:2]
+    return first, second

@@ -11,6 +11,7 @@ from . import compat, passes, props
 from .export import smoke
 
 # Nodes are found again by these names.
+HOME = "sfumato_smoke"  # the mark of the collection that the smoke moves to
 SMOKE, SHADOW, OVER = "Sfumato Smoke", "Sfumato Smoke Shadow", "Sfumato Smoke Over"
 # What both scenes must have in common, and the artist may have changed since the second one was made.
 SHARED = ("camera", "world", "frame_start", "frame_end", "frame_step", "gravity", "use_gravity")
@@ -64,10 +65,11 @@ def _share(scene: Any, other: Any) -> None:
 
 
 def _move_smoke(scene: Any, other: Any) -> None:
-    name = f"{scene.name} Smoke"
-    home = scene.collection.children.get(name)
+    # By a mark: its name may be another one's already, or be cut.
+    home = next((child for child in scene.collection.children if child.get(HOME)), None)
     if home is None:
-        home = bpy.data.collections.new(name)
+        home = bpy.data.collections.new(f"{scene.name} Smoke")
+        home[HOME] = True
         scene.collection.children.link(home)
         other.collection.children.link(home)
     ours = {scene.collection, other.collection, *scene.collection.children_recursive}
@@ -89,10 +91,14 @@ def _join(scene: Any, view_layer: Any, other: Any) -> None:
     tree = compat.compositing_tree(scene)
     picture = _render_layers(tree, scene, view_layer)
     nodes, links = tree.nodes, tree.links
-    ours = nodes.get(SMOKE) or nodes.new("CompositorNodeRLayers")
+    found = nodes.get(SMOKE)
+    ours = found or nodes.new("CompositorNodeRLayers")
     ours.name = ours.label = SMOKE
     ours.scene, ours.layer = other, other.view_layers[0].name
     if SHADOW in nodes and OVER in nodes:
+        if found is None:  # the artist deleted that one alone
+            links.new(ours.outputs["Smoke Shadow"], compat.colour_inputs(nodes[SHADOW])[1])
+            links.new(ours.outputs["Smoke"], compat.colour_inputs(nodes[OVER])[1])
         return
     follow = [link.to_socket for link in picture.outputs["Image"].links]
     shadow, (base, factor), shaded = compat.multiply_node(tree)

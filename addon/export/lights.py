@@ -80,7 +80,8 @@ def cone_of(light: Any, matrix: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def add_area(scene: Any, light: Any, matrix: NDArray[np.float64], colour: NDArray[np.float64], reaches: Any) -> bool:
-    """An area light of any of the four shapes, with the native Reach of it, or None. Whether it is another one, for what uneven scale makes of its axes."""
+    """An area light of any of the four shapes, with its native Reach, or None. Whether it is shown as another one, for what
+    uneven scale makes of its axes."""
     ellipse = light.shape in {"DISK", "ELLIPSE"}
     size_y = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
     axes = matrix[:3, :2] * (0.5 * light.size, 0.5 * size_y)

@@ -179,8 +179,8 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
 
 
 def frame_of(depsgraph: Any, source: str, parts: Parts | None = None, whole: bool = False, space: Any = None) -> Any:
-    """The native Frame of what `depsgraph` shows, relative to its origin, in a 3D view if there is one, in the scene's quality; its notices go to
-    the log under `source`.
+    """The native Frame of what `depsgraph` shows, relative to its origin, in a 3D view if there is one, in the scene's
+    quality; its notices go to the log under `source`.
 
     Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses, and where it must be
     `whole`, ValueError for smoke that is missing.

@@ -272,8 +272,8 @@ number), 'piecewise' or 'learned', as project makes them, or a 'curve' (RayStora
 ray's series spans the ray's own smoke; 'shared': the map's whole depth, so that coefficients filter: a large light has
 one map, and a filter stands for its size.
 texels_per_cell and steps_per_cell relate the maps' resolution and the march along view rays to the cells of the smoke;
-light_samples, the most points at which a light is sampled that is large enough to blur the smoke's shadow. What `prepared`, a Prepared, knows from an earlier frame is not
-made again.
+light_samples, the most points at which a light is sampled that is large enough to blur the smoke's shadow. What
+`prepared`, a Prepared, knows from an earlier frame is not made again.
 
 >>> import numpy as np
 >>> scene = Scene()
@@ -305,12 +305,13 @@ True
              py::arg("eye") = std::array<float, 3>{}, py::arg("axis") = std::array<float, 3>{},
              py::arg("filter") = "blackman_harris", py::arg("filter_width") = Filter{}.width,
              R"(A dictionary of images (height, width, n) float32: "picture", which is what render() makes, and those of
-names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the scene's space, and 1 where there
-is a surface, 0 where there is none; "object_index" and "material_index" (1) as add_instances has them, else 0. Filtered as
-the picture is: "normal" (3), in the world and towards the eye; "mist" (1); "smoke" (4), premultiplied: what the smoke
-before the surface sends, and how much it hides; "smoke_shadow" (3), the share of a surface's radiance that smoke leaves it;
-"shadow" (3), the share of the light that it reflects that smoke and solids leave it. Where there is no light, as where there is no surface, the first is 1, for a product,
-and the second 0, as in Cycles.
+names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the scene's space, and 1
+where there is a surface, 0 where there is none; "object_index" and "material_index" (1) as add_instances has them, else
+0. Filtered as the picture is: "normal" (3), in the world and towards the eye; "mist" (1); "smoke" (4), premultiplied:
+what the smoke before the surface sends, and how much it hides; "smoke_shadow" (3), the share of a surface's radiance that
+smoke leaves it; "shadow" (3), the share of the light that it reflects that smoke and solids leave it, both also where
+something is held out or catches shadows. Where there is no light, as where there is no surface, the first is 1, for a
+product, and the second 0, as in Cycles.
 
 mist: start and depth in metres and a power, of the way from `eye`, or of what is parallel along `axis` from there.
 filter, "blackman_harris", "gaussian" or "box", and filter_width in pixels are Cycles'; a box has 1.

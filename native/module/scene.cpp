@@ -298,18 +298,18 @@ does, and for too few rows.
 >>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 >>> Scene().add_instances(triangle, np.stack([np.eye(4), np.diag([2, 2, 2, 1])]), [[0.8, 0.8, 0.8]])
 )")
-        .def(
-            "add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
-            py::arg("absorption"), py::arg("anisotropy") = 0.0F, py::arg("colour") = py::none(),
-            py::arg("visibility") = py::none(),
-            R"(Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their densities add.
+        .def("add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
+             py::arg("absorption"), py::arg("anisotropy") = 0.0F, py::arg("colour") = py::none(),
+             py::arg("visibility") = py::none(),
+             R"(Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their
+densities add.
 
 density (nz, ny, nx), not negative, sampled at cell centres, zero outside the grid; the scene refers to the array
 instead of copying it, so it should not be changed while the scene is in use; grid_to_world (4, 4) takes
 cells to metres: cell (i, j, k) fills [i, i + 1] and so on; scattering and absorption (3,), per metre and unit
 density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1); colour (nz, ny, nx, 3), not negative, by which each
-cell's scattering is multiplied: what it does not scatter of that, it absorbs, so what it lets through stays the same; visibility,
-'shown' or 'unseen', and its lights.
+cell's scattering is multiplied: what it does not scatter of that, it absorbs, so what it lets through stays the same;
+visibility, 'shown' or 'unseen', and its lights.
 Raises ValueError for an empty, negative or non-finite density and for a matrix that flattens the grid.
 
 >>> import numpy as np

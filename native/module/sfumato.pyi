@@ -82,8 +82,9 @@ class Frame:
         add_instances has them, else 0. Filtered as the picture is: "normal" (3), in the world and towards the
         eye; "mist" (1); "smoke" (4), premultiplied: what the smoke before the surface sends, and how much it
         hides; "smoke_shadow" (3), the share of a surface's radiance that smoke leaves it; "shadow" (3), the share
-        of the light that it reflects that smoke and solids leave it. Where there is no light, as where there is
-        no surface, the first is 1, for a product, and the second 0, as in Cycles.
+        of the light that it reflects that smoke and solids leave it, both also where something is held out or
+        catches shadows. Where there is no light, as where there is no surface, the first is 1, for a product, and
+        the second 0, as in Cycles.
         """
     def render(
         self,

@@ -122,6 +122,12 @@ def test_nodes_of_the_artist_stay_and_come_after() -> None:
     once = state()
     assert bpy.ops.sfumato.add_smoke() == {"FINISHED"}
     assert state() == once, "the second time changes nothing"
+    collections = len(bpy.data.collections)
+    tree.nodes.remove(tree.nodes["Sfumato Smoke"])
+    assert bpy.ops.sfumato.add_smoke() == {"FINISHED"}
+    leads_to = {link.to_node.name for socket in tree.nodes["Sfumato Smoke"].outputs for link in socket.links}
+    assert leads_to == {"Sfumato Smoke Shadow", "Sfumato Smoke Over"}, "a node that was deleted alone is linked again"
+    assert len(bpy.data.collections) == collections
     # What is new goes along: an object, another camera.
     cube = bpy.data.objects.new("New", bpy.data.meshes.new("New"))
     scene.collection.objects.link(cube)

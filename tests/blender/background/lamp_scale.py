@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps whose objects are scaled, mirrored or skewed by a parent: a floor under each as the Cycles of this Blender lights it."""
+"""Lamps whose objects are scaled, mirrored or skewed by a parent: a floor under each as this Blender's Cycles lights it."""
 
 from __future__ import annotations
 
