@@ -158,14 +158,20 @@ def both(*edits: Edit) -> Edit:
     return edit
 
 
-def backdrop(parts: Parts) -> None:
-    """An opaque film, and a world that only the camera sees."""
-    parts.scene.render.film_transparent = False
-    world = parts.scene.world = bpy.data.worlds.new("World")
+def unlit_world(red: float) -> bpy.types.World:
+    """One that only the camera sees."""
+    world = bpy.data.worlds.new("World")
     world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.4, 0.6, 1.0)
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (red, 0.4, 0.6, 1.0)
     seen = world.cycles_visibility
     seen.diffuse = seen.glossy = seen.transmission = seen.scatter = False
+    return world
+
+
+def backdrop(parts: Parts) -> None:
+    """An opaque film, and such a world."""
+    parts.scene.render.film_transparent = False
+    parts.scene.world = unlit_world(0.2)
 
 
 def test_what_the_camera_sees() -> None:
@@ -359,14 +365,19 @@ def test_what_a_view_layer_shows() -> None:
         material.node_tree.links.new(shader.outputs[0], output.inputs["Surface"])
         bpy.context.view_layer.material_override = material
 
-    require(
-        {
-            "no surfaces": layer("use_solid", False),
-            "no volumes": layer("use_volumes", False),
-            "no sky": both(backdrop, turn("floor", visible_camera=False), layer("use_sky", False)),
-            "material override": override,
-        }
-    )
+    def another_world(_: Parts) -> None:
+        bpy.context.view_layer.world_override = unlit_world(0.7)
+
+    unseen_floor = turn("floor", visible_camera=False)
+    cases = {
+        "no surfaces": layer("use_solid", False),
+        "no volumes": layer("use_volumes", False),
+        "no sky": both(backdrop, unseen_floor, layer("use_sky", False)),
+        "material override": override,
+    }
+    if hasattr(bpy.context.view_layer, "world_override"):  # 4.3
+        cases["world override"] = both(backdrop, unseen_floor, another_world)
+    require(cases)
 
 
 harness.main()
