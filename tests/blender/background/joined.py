@@ -42,18 +42,11 @@ def textured_plume() -> bpy.types.Object:
     return smoke
 
 
-def blocks(picture: NDArray[np.float32]) -> NDArray[np.float64]:
-    """The means of blocks of 8 x 8 pixels."""
-    rows, columns = SIZE[1] // 8, SIZE[0] // 8
-    whole = picture[..., :3].astype(np.float64).reshape(rows, 8, columns, 8, 3)
-    return np.asarray(whole.mean(axis=(1, 3)))
-
-
 def in_cycles() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Blocks of the mean of two renders, and the squares of their noise."""
     renders = []
     for bpy.context.scene.cycles.seed in (1, 2):
-        renders.append(blocks(pictures.render(SIZE, "CYCLES")))
+        renders.append(pictures.in_blocks(pictures.render(SIZE, "CYCLES"), 8))
     return (renders[0] + renders[1]) / 2.0, (renders[0] - renders[1]) ** 2 / 4.0
 
 
@@ -81,7 +74,7 @@ def test_cycles_with_our_smoke_is_cycles() -> None:
     scene = bpy.context.scene
     theirs, their_noise = in_cycles()
     smoke.hide_render = True
-    bare = blocks(pictures.render(SIZE, "CYCLES"))
+    bare = pictures.in_blocks(pictures.render(SIZE, "CYCLES"), 8)
     smoke.hide_render = False
     mean = float(theirs.mean())
     changed = np.abs(bare - theirs).sum(axis=-1) > 0.05 * mean

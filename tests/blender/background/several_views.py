@@ -43,9 +43,7 @@ def views(engine: str, suffixes: tuple[str, ...]) -> list[Image]:
 
 def error(values: Image, wanted: Image) -> float:
     """Relative RMSE of blocks of 4 x 4 pixels, where anything is."""
-    first, second = (
-        picture[..., :3].reshape(SIZE[1] // 4, 4, SIZE[0] // 4, 4, 3).mean(axis=(1, 3)) for picture in (values, wanted)
-    )
+    first, second = (pictures.in_blocks(picture, 4) for picture in (values, wanted))
     there = second.sum(axis=-1) > 0.0
     return float(np.sqrt(((first - second)[there] ** 2).mean()) / second[there].mean())
 

@@ -8,7 +8,6 @@ import bpy
 import harness
 import numpy as np
 import pictures
-from numpy.typing import NDArray
 from sfumato.export import parts, scene
 
 TINTED = harness.ROOT / "tests" / "goldens" / "tinted_smoke.vdb"  # two metres wide, by make_tinted_smoke.cpp
@@ -38,22 +37,16 @@ def look(middle: tuple[float, float, float], across: float) -> None:
 
 def difference(case: str) -> float:
     """Relative, of 6 x 6 pixels together, over those that Cycles has smoke in."""
-
-    def blocks(engine: str) -> NDArray[np.float64]:
-        picture = pictures.render(SIZE, engine)[..., :3].astype(np.float64)
-        return picture.reshape(8, 6, 8, 6, 3).mean(axis=(1, 3))
-
-    theirs = blocks("CYCLES")
+    theirs, ours = (pictures.in_blocks(pictures.render(SIZE, engine), 6) for engine in ("CYCLES", "SFUMATO"))
     if theirs.max() == 0.0:
         raise harness.Skip("Cycles of this Blender shows no smoke")
-    ours = blocks("SFUMATO")
     error = float(np.sqrt(np.mean((ours - theirs) ** 2)) / np.sqrt(np.mean(theirs**2)))
     print(f"  {case}: {100.0 * error:.2f} %, colours {(ours.sum(axis=(0, 1)) / theirs.sum(axis=(0, 1))).round(3)}")
     return error
 
 
 def test_a_volumes_colours_are_those_of_cycles() -> None:
-    """Of a grid of vectors; of one of floats, whose voxels are elsewhere; of one that is not there: white."""
+    """Of a grid of vectors; of one of floats, in a larger box; of one that is not there: white."""
     thing = harness.volume(TINTED)
     shader = harness.shade(thing.data, "ShaderNodeVolumePrincipled", "Volume")
     shader.inputs["Color"].default_value = (0.9, 0.8, 0.7, 1.0)
