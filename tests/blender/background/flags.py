@@ -351,7 +351,6 @@ def test_shadow_linking() -> None:
             "all but the box block the sun": linked("blocker", "box", exclude=True),
             "box and smoke block the sun": linked("blocker", "box", "smoke"),
             "floor blocks the sun": without_smoke(linked("blocker", "floor")),
-            "box blocks the tile": without_smoke(linked("blocker", "box", light="tile")),
         }
     )
 
