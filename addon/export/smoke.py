@@ -59,19 +59,24 @@ def medium_of(
     if smoke is None:
         return None
     if settings is not None:
-        medium = _of_domain(settings, matrix, depsgraph, smoke, parts)
+        medium: Medium | None = _of_domain(settings, matrix, depsgraph, smoke, parts)
+    else:
+        medium = _of_object(thing, matrix, smoke, parts, notices)
+    if medium is not None and smoke.tint:
         _name_bright(thing.name, medium, notices)
-        return medium
+    return medium
+
+
+def _of_object(
+    thing: Any, matrix: NDArray[np.float64], smoke: materials.Smoke, parts: Parts, notices: list[str]
+) -> Medium | None:
     if thing.data.render.space == "OBJECT":
         smoke = smoke.divided_by(world_unit(matrix))
     if thing.data.render.clipping > 1.01e-3:  # more than the default
         notices.append(
             f"{thing.name}: its Clipping of {thing.data.render.clipping:.3g} is not followed; all voxels are shown"
         )
-    found = _of_volume(thing, matrix, smoke, parts)
-    if found is not None:
-        _name_bright(thing.name, found, notices)
-    return found
+    return _of_volume(thing, matrix, smoke, parts)
 
 
 def _name_bright(name: str, medium: Medium, notices: list[str]) -> None:
