@@ -15,7 +15,7 @@ struct Behind {
 } // namespace
 
 void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers) {
-    const bool smoky = wanted.has(Layer::SMOKE) && !view.seen_media.empty();
+    const bool smoky = wanted.has(Layer::SMOKE) && (!view.seen_media.empty() || view.sorted);
     const bool overlay = wanted.overlay();
     if (!smoky && wanted.has(Layer::SMOKE_ALONE)) {
         for (std::size_t c = 0; c < 3; ++c) {

@@ -3,6 +3,7 @@
 // Views own nothing.
 #pragma once
 
+#include "frame/events.hpp"
 #include "lights/light.hpp"
 #include "media/medium_view.hpp"
 #include "solids/surface_view.hpp"
@@ -30,6 +31,7 @@ struct FrameView {
     std::span<const LightView> lights;
     std::span<const MediumView> media;
     std::span<const MediumView> seen_media; // by the camera: the first of them
+    bool sorted = false;                    // whether anything else than grids may lie before a surface
     bool grey = true;                       // all extinctions are: one march serves all colours
     glm::vec3 background{0.0F};
     float background_alpha = 0.0F;
@@ -114,7 +116,7 @@ struct Layers {
     alignas(64) float surface[3][MAX_LANES]; // the layer that is asked for
     alignas(64) float open[MAX_LANES]; // the mean of the colours of the radiance, were there no smoke; or of the share
     alignas(64) float unshadowed[MAX_LANES]; // radiance, or irradiance, were there no shadows at all
-    // March: the smoke before it.
+    // March, and merge: what lies before it.
     alignas(64) float smoke[3][MAX_LANES];
     alignas(64) float through[3][MAX_LANES];
     // Composite.
@@ -123,11 +125,14 @@ struct Layers {
     alignas(64) float seen[MAX_LANES];       // the share of `open` that smoke leaves: before the surface and on it
     // Only where passes are asked for.
     PassLayers *passes = nullptr;
+    // Only where a frame has what is sorted.
+    Events *events = nullptr;
 };
 
 struct FrameKernels {
     void (*surfaces)(const FrameView &, LayerSet, const Packet &, Layers &);
     void (*march)(const FrameView &, const Packet &, Layers &);
+    void (*merge)(const FrameView &, const Packet &, Layers &);
 };
 
 const FrameKernels &frame_kernels(const InstructionSet &with = instruction_set());

@@ -24,6 +24,33 @@ struct Asked {
     static constexpr int MEDIA = MAX_MEDIA;
 
     const FrameView *frame = nullptr;
+    Knots *knots = nullptr; // where something else lies before the surface
+
+    void leave_knot(Real t, Real step, const vec3 &radiance, const Colour &depth) const {
+        if (knots == nullptr) {
+            return;
+        }
+        step.store_aligned(knots->step);
+        constexpr std::size_t ROWS = 4 + COLOURS;
+        knots->values.resize(knots->values.size() + ROWS * MAX_LANES);
+        float *to = knots->values.data() + (knots->values.size() - ROWS * MAX_LANES);
+        const auto keep = [&to](Real value) {
+            value.store_unaligned(to);
+            to += MAX_LANES;
+        };
+        keep(t);
+        for (int c = 0; c < 3; ++c) {
+            keep(radiance[c]);
+        }
+        if constexpr (COLOURS == 1) {
+            keep(depth);
+        } else {
+            keep(depth.x);
+            keep(depth.y);
+            keep(depth.z);
+        }
+        ++knots->count;
+    }
 
     [[nodiscard]] const MediumView &medium(int m) const { return frame->seen_media[static_cast<std::size_t>(m)]; }
     [[nodiscard]] const LightView &light(int i) const { return frame->lights[static_cast<std::size_t>(i)]; }
@@ -90,7 +117,9 @@ private:
 
 template <int COLOURS>
 void march_in(const FrameView &frame, const Packet &packet, Layers &out) {
-    text::MarchText<Real, Isa, Asked<COLOURS>> text{{&frame}};
+    Events *const events = out.events;
+    text::MarchText<Real, Isa, Asked<COLOURS>> text{
+        {&frame, events != nullptr && events->any() ? &events->knots : nullptr}};
     const auto &c = frame.camera;
     const auto ray =
         text.camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
@@ -111,11 +140,12 @@ void march_in(const FrameView &frame, const Packet &packet, Layers &out) {
 } // namespace
 
 void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &out); // surfaces_lanes.cpp
+void merge(const FrameView &frame, const Packet &packet, Layers &out);                           // merge_lanes.cpp
 
 void march(const FrameView &frame, const Packet &packet, Layers &out) {
     frame.grey ? march_in<1>(frame, packet, out) : march_in<3>(frame, packet, out);
 }
 
-extern const FrameKernels frame_kernels{trace_surfaces, march};
+extern const FrameKernels frame_kernels{trace_surfaces, march, merge};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -75,6 +75,9 @@ constexpr std::array RAYS = {
         [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.seen_media.empty(); },
         [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
            Layers &layers) { frame_kernels(with).march(view, packet, layers); }},
+    RayStage{"merge", [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && view.sorted; },
+             [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
+                Layers &layers) { frame_kernels(with).merge(view, packet, layers); }},
     RayStage{"composite", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },
              [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet & /*packet*/,
                 Layers &layers) { composite(view, wanted, with.lanes, layers); }},
@@ -111,6 +114,9 @@ Content content_of(const Making &making, StageClock &clock) {
 }
 
 void Tracer::run(std::span<const Packet> packets, std::span<Layers> layers) const {
+    for (Layers &layer : layers.first(view.sorted ? packets.size() : 0)) {
+        layer.events->clear();
+    }
     for (std::size_t i = 0; i < RAYS.size(); ++i) {
         if (RAYS[i].needed(view, wanted)) {
             clock.time(PARTS.size() + i, [&] {

@@ -94,6 +94,10 @@ struct Tracer {
         for (std::size_t p = 0; p < passes.size(); ++p) {
             layers[p].passes = &passes[p];
         }
+        std::vector<Events> events(view.sorted ? TILE : 0);
+        for (std::size_t p = 0; p < events.size(); ++p) {
+            layers[p].events = &events[p];
+        }
         std::vector<ShadowSample> shadows(shadow_samples * TILE);
         for (std::size_t first = 0; first < count; first += lanes * TILE) {
             const std::size_t left = std::min(count - first, lanes * TILE), used = (left + lanes - 1) / lanes;

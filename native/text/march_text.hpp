@@ -19,6 +19,7 @@ struct MarchText : Asked {
     using Asked::extinction_of;
     using Asked::grid_size;
     using Asked::is_parallel;
+    using Asked::leave_knot;
     using Asked::light_at;
     using Asked::light_count;
     using Asked::light_direction;

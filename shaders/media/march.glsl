@@ -6,6 +6,7 @@
 //   Colour              one number where all smoke is grey, so that one march serves all colours; else vec3
 //   MEDIA               at least media_count(), of bodies of smoke; light_count(), of lights
 //   Place               a place between cells, found once for all that is read there
+//   leave_knot(t, step, radiance, depth)   what may be kept of the smoke up to the end of a step, t
 //   Arriving            of one light in a cell: the optical depth towards it, and the share of its falloff that gets past
 //                       solids and the edges of its cone (Colour depth, float share)
 // and what a medium answers:
@@ -133,6 +134,7 @@ Smoke march(Ray ray, float reach)
         }
       }
       smoke.depth = smoke.depth + tau;
+      leave_knot(t + 0.5f * dt, dt, smoke.radiance, smoke.depth);
       leap = 0.0f;
     }
     k = k + 1.0f + floor(lowest_lane(max(leap, 0.0f)));

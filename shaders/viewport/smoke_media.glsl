@@ -11,6 +11,7 @@
 #  define SHARE_OF(v) (v).w
 #endif
 #define Place vec3 // in [0, 1]^3
+#define leave_knot(t, step, radiance, depth)
 
 struct Arriving {
   Colour depth;

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What lies before the first opaque surface on the rays of a packet: fragments and slices of particles, and what a
+// march through grids leaves where there are such. The merge (merge_lanes.cpp) composites all three in order of depth.
+#pragma once
+
+#include "text/dispatch.hpp"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace sfumato {
+
+// Of what has no extent along a ray.
+struct Fragment {
+    float distance = 0.0F;    // from where the ray starts, metres
+    glm::vec3 radiance{0.0F}; // that it adds, by its own opacity
+    glm::vec3 left{1.0F};     // the share that it leaves of what lies behind it
+};
+
+// Particles, whose densities add where they overlap. Each lane's slices are next to each other and equally thick.
+struct Slices {
+    int count = 0;                                        // 0: none on any of these rays
+    alignas(64) float first[MAX_LANES], width[MAX_LANES]; // where a lane's begin, and the extent of one, metres
+    std::vector<float> depth; // optical: slice by slice, in each colour (one where all is grey), MAX_LANES a row
+    std::vector<float> sent;  // radiance, were there nothing in the slice to take any: likewise, in three colours
+
+    // Empty ones.
+    void reset(int slices, int colours) {
+        count = slices;
+        depth.assign(static_cast<std::size_t>(slices * colours) * MAX_LANES, 0.0F);
+        sent.assign(static_cast<std::size_t>(slices) * 3 * MAX_LANES, 0.0F);
+    }
+};
+
+// The smoke of grids from the eye up to the ends of a march's steps, which are equally long on a ray.
+struct Knots {
+    int count = 0;
+    alignas(64) float step[MAX_LANES];
+    std::vector<float> values; // where a step ends, the radiance, the optical depth in each colour; MAX_LANES a row
+};
+
+struct Events {
+    std::array<std::vector<Fragment>, MAX_LANES> fragments; // of each lane, in any order
+    Slices slices;
+    Knots knots;
+
+    // A lane keeps so many at most: where there are more, those far behind are taken together.
+    static constexpr std::size_t MOST = 512;
+    void add(std::size_t lane, const Fragment &fragment);
+    // Whether there are fragments or particles.
+    [[nodiscard]] bool any() const;
+    // Keeps its memory.
+    void clear();
+};
+
+// In order of depth; what is behind an opaque one is gone.
+void sort_fragments(std::vector<Fragment> &fragments);
+
+} // namespace sfumato
