@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import compat, core, log, passes, props
-from .export import parts, scene
+from .export import materials, parts, scene
 from .view import rendered
 
 
@@ -36,7 +36,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
         try:
             # A farm sees an error, and a status of 1, rather than a picture that lacks its smoke.
             whole = bpy.app.background and props.of(settings).missing_is_error
-            frame = scene.frame_of(depsgraph, "render", parts.of_render(settings), whole)
+            frame = scene.frame_of(depsgraph, "render", parts.of_render(settings), whole, camera=self.camera_override)
             log.replace("passes", passes.notices(layer))
             views: list[passes.Images] = []
             for view in self.get_result().views:
@@ -76,7 +76,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
             list({each.image for each in wanted}),
             edge_samples=props.QUALITIES[props.of(settings).quality].edge_samples,
             progress=self.go_on,
-            mist=passes.mist_of(settings.world),
+            mist=passes.mist_of(materials.world_of(depsgraph)),
             **passes.eye_of(camera, view),
             **filter_of(settings),
         )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
-from . import materials, omissions, visibility
+from . import materials, visibility
 from .visibility import Reach
 
 
@@ -25,7 +25,6 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
     colour = np.maximum(colour, 0.0)
     if not colour.any():
         return False
-    omissions.of("object", thing, thing.name, notices, "LIGHT")
     reaches = visibility.native(reach)
     forwards = -matrix[:3, 2]
     if light.type == "SUN":

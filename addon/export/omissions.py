@@ -74,14 +74,14 @@ def lies_over(space: Any) -> bool:
     return space is not None and space.shading.type != "RENDERED"
 
 
-def of_frame(depsgraph: Any, world: Any | None, space: Any, notices: list[str]) -> None:
+def of_frame(depsgraph: Any, world: Any | None, space: Any, notices: list[str], camera: Any = None) -> None:
     """What the scene, its view layer, its camera and its world are set to, as far as a 3D view, if there is one, shows it:
-    a camera matters where one looks through it."""
+    a camera matters where one looks through it: the scene's, where it is no other."""
     if lies_over(space):
         return
     scene, layer, render = depsgraph.scene_eval, depsgraph.view_layer_eval, depsgraph.mode == "RENDER"
     of("scene", scene, scene.name, notices, render=render)
-    camera = scene.camera
+    camera = camera or _camera_of(space) or scene.camera
     if camera is not None and (space is None or _looks_through(space)):
         of("camera", camera.data, camera.name, notices)
     if world is not None:
@@ -97,13 +97,23 @@ def _of_world(world: Any, unseen: bool, notices: list[str]) -> None:
             of_node(node, "World", notices)
 
 
+def _camera_of(space: Any) -> Any | None:
+    """The camera of a 3D view's own."""
+    return space.camera if space is not None and space.use_local_camera else None
+
+
 def _looks_through(space: Any) -> bool:
     return space.region_3d is not None and space.region_3d.view_perspective == "CAMERA"
 
 
+def of_copy(thing: Any, glows: bool, notices: list[str]) -> None:
+    """What an object is set to that shares its mesh with another."""
+    of("object", thing, thing.name, notices, "GLOWING" if glows else "DARK")
+
+
 def of_surface(thing: Any, glows: bool, depsgraph: Any, notices: list[str]) -> None:
     """What one object with surfaces is set to, beyond the switches of all; `glows` if it emits."""
-    of("object", thing, thing.name, notices, "GLOWING" if glows else "DARK")
+    of_copy(thing, glows, notices)
     last = None
     for modifier in thing.modifiers:
         if not (modifier.show_render if depsgraph.mode == "RENDER" else modifier.show_viewport):

@@ -106,10 +106,12 @@ def _type_switches() -> tuple[str, ...]:
     return tuple(name for name in names if name.startswith("show_object_viewport_"))
 
 
-def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_alone: bool = False) -> Export:
+def export(
+    depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_alone: bool = False, camera: Any = None
+) -> Export:
     """Everything that `depsgraph` shows, in a 3D view if there is one, with what `parts` has of an earlier export. Where
     smoke and shadows alone are seen of it there are no notices of what surfaces and the world look like. Raises
-    core.Missing without the native module."""
+    core.Missing without the native module. A render may look through another `camera` than the scene's."""
     parts = parts or Parts()
     out = Export(core.module().Scene())
     looks: list[str] = [] if smoke_alone else out.notices
@@ -122,7 +124,8 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
     origin = origin_of(matrices[shown, :3, 3])
     matrices[:, :3, 3] -= origin
     out.scene.set_origin(origin)
-    filtered = bool(filter_of(space))
+    filtered, lies_over = bool(filter_of(space)), omissions.lies_over(space)
+    said_of: set[int] = set()  # objects
     for number, instance in enumerate(depsgraph.object_instances):
         if not shown[number]:
             continue
@@ -134,12 +137,20 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
             group = groups[key]
             if group is not None:
                 group.add(number, thing, flags)
+                if not lies_over and thing.original.as_pointer() not in said_of:
+                    omissions.of_copy(thing, group.triangles is not None, out.notices)
+                    said_of.add(thing.original.as_pointer())
             continue
+        said_of.add(thing.original.as_pointer())
         try:
             if thing.type == "LIGHT":
                 reach = flags.reach_of(thing)
-                if reach is not None:
-                    lit += lights.add_light(out.scene, thing, matrices[number], out.notices, reach)
+                lights_something = reach is not None and lights.add_light(
+                    out.scene, thing, matrices[number], out.notices, reach
+                )
+                lit += lights_something
+                if not lies_over and (lights_something or (reach is None and thing.data.energy > 0.0)):
+                    omissions.of("object", thing, thing.name, out.notices, "LIGHT")
                 continue
             if not (layer.use_volumes if thing.type == "VOLUME" else layer.use_solid):
                 continue
@@ -151,9 +162,9 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
                 groups[key] = group = _group_of(thing, depsgraph, parts, looks)
                 if group is not None:
                     group.add(number, thing, flags)
-                    if not omissions.lies_over(space):
+                    if not lies_over:
                         omissions.of_surface(thing, group.triangles is not None, depsgraph, out.notices)
-            elif not omissions.lies_over(space):
+            elif not lies_over:
                 omissions.of_type(thing, out.notices)
         except ValueError as error:
             groups[key] = None
@@ -170,7 +181,7 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
     if lit > MOST_LIGHTS:
         out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
     add_media(out, [(name, medium, seen.get(number)) for number, name, medium in media])
-    omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices)
+    omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:
         world = materials.background(depsgraph, looks) if layer.use_sky else (0.0, 0.0, 0.0)
         out.scene.set_background(world, alpha=1.0)
@@ -178,15 +189,22 @@ def export(depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_
     return out
 
 
-def frame_of(depsgraph: Any, source: str, parts: Parts | None = None, whole: bool = False, space: Any = None) -> Any:
+def frame_of(
+    depsgraph: Any,
+    source: str,
+    parts: Parts | None = None,
+    whole: bool = False,
+    space: Any = None,
+    camera: Any = None,
+) -> Any:
     """The native Frame of what `depsgraph` shows, relative to its origin, in a 3D view if there is one, in the scene's
-    quality; its notices go to the log under `source`.
+    quality; its notices go to the log under `source`. A render may look through another `camera` than the scene's.
 
     Raises core.Missing without the native module, ValueError and RuntimeError for what it refuses, and where it must be
     `whole`, ValueError for smoke that is missing.
     """
     parts = parts or Parts()
-    out = export(depsgraph, parts, space)
+    out = export(depsgraph, parts, space, camera=camera)
     log.replace(source, out.notices)
     if whole and out.missing:
         raise ValueError("; ".join(out.missing))

@@ -64,6 +64,41 @@ def test_a_view_of_smoke_and_shadows_hears_nothing_of_looks() -> None:
     assert any(line.startswith("Light: ") for line in of_smoke)
 
 
+def test_each_copy_that_shares_a_mesh_is_named() -> None:
+    bpy.ops.mesh.primitive_cube_add()
+    first = bpy.context.object
+    copies = [first.copy() for _ in range(2)]
+    for thing in copies:
+        bpy.context.collection.objects.link(thing)
+    if hasattr(first, "shadow_terminator_shading_offset"):  # 4.1
+        copies[1].shadow_terminator_shading_offset = 0.5
+    else:
+        copies[1].cycles.shadow_terminator_offset = 0.5
+    said = [line for line in scene.export(bpy.context.evaluated_depsgraph_get()).notices if "Shading Offset" in line]
+    assert len(said) == 1 and said[0].startswith(f"{copies[1].name}: "), said
+
+
+def test_a_lamp_that_lights_nothing_but_is_seen_is_named() -> None:
+    lamp = bpy.data.objects["Light"]
+    lamp.visible_camera = True
+    for shows in (True, False):
+        lamp.visible_diffuse = lamp.visible_glossy = lamp.visible_volume_scatter = shows
+        said = scene.export(bpy.context.evaluated_depsgraph_get()).notices
+        assert sum("the lamp itself is not seen" in line for line in said) == 1, (shows, said)
+    lamp.data.energy = 0.0
+    said = scene.export(bpy.context.evaluated_depsgraph_get()).notices
+    assert not any("the lamp itself is not seen" in line for line in said), said
+
+
+def test_a_render_hears_of_the_camera_that_it_looks_through() -> None:
+    other = bpy.data.objects.new("Other", bpy.data.cameras.new("Other"))
+    bpy.context.collection.objects.link(other)
+    other.data.dof.use_dof = True
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    assert not any(line.startswith("Other: ") for line in scene.export(depsgraph).notices)
+    assert any(line.startswith("Other: ") for line in scene.export(depsgraph, camera=other).notices)
+
+
 def test_what_is_named_can_be_selected() -> None:
     panes = [glass("Pane"), glass("Window: left")]
     bpy.data.objects["Camera"].select_set(True)
