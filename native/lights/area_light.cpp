@@ -97,6 +97,11 @@ PolygonFault fault_of(std::span<const glm::dvec3> polygon) {
         return PolygonFault::NO_AREA;
     }
     const glm::dvec3 normal = area / twice;
+    for (const glm::dvec3 &v : polygon) {
+        if (std::abs(glm::dot(v - polygon[0], normal)) > FLATNESS * size) {
+            return PolygonFault::NOT_PLANAR;
+        }
+    }
     // Turning left everywhere is not enough: a star does. Its edges turn away from the first, and back, more than once.
     const glm::dvec3 first = polygon[1] - polygon[0];
     int changes = 0;
@@ -104,9 +109,6 @@ PolygonFault fault_of(std::span<const glm::dvec3> polygon) {
     for (std::size_t i = 0; i < n; ++i) {
         const glm::dvec3 edge = polygon[(i + 1) % n] - polygon[i];
         const glm::dvec3 next = polygon[(i + 2) % n] - polygon[(i + 1) % n];
-        if (std::abs(glm::dot(polygon[i] - polygon[0], normal)) > FLATNESS * size) {
-            return PolygonFault::NOT_PLANAR;
-        }
         const double turn = glm::dot(glm::cross(edge, next), normal);
         if (turn < -CONVEXITY * glm::length(edge) * glm::length(next)) {
             return PolygonFault::NOT_CONVEX;

@@ -2,6 +2,7 @@
 // Scenes and cameras: what Python hands over, checked.
 #include "scene/scene.hpp"
 
+#include "lights/polygon_parts.hpp"
 #include "media/medium.hpp"
 #include "module/lights.hpp"
 #include "module/parts.hpp"
@@ -224,21 +225,32 @@ void add_polygon(ConsoleScene &scene, const Floats &corners, const Floats &radia
     require_shape(corners, {-1, 3}, "corners");
     require_range(corners, -1e15F, 1e15F, "corners");
     const auto count = static_cast<std::size_t>(corners.shape(0));
-    if (count != 3 && count != 4) {
-        throw py::value_error("corners has shape " + shape_of(corners) + ", but a polygon has 3 corners or 4");
+    if (count < 3 || count > 64) {
+        throw py::value_error("corners has shape " + shape_of(corners) + ", but a polygon has 3 to 64 corners");
     }
     Light light;
     light.reach = reach.value_or(Reach{});
     light.kind = Light::Kind::POLYGON;
     light.strength = strength_of(radiance, "radiance");
-    std::array<glm::dvec3, 4> polygon;
-    for (std::size_t i = 0; i < 4; ++i) {
-        const float *const corner = corners.data() + 3 * std::min(i, count - 1);
-        light.corners[i] = {corner[0], corner[1], corner[2]};
-        polygon[i] = light.corners[i];
+    std::vector<glm::dvec3> polygon;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float *const corner = corners.data() + 3 * i;
+        polygon.emplace_back(corner[0], corner[1], corner[2]);
     }
-    require_sound({polygon.data(), count}, "corners", "");
-    scene.lights.push_back(light);
+    std::optional<std::vector<std::vector<glm::dvec3>>> parts{{polygon}};
+    const PolygonFault fault = fault_of(polygon);
+    if (fault == PolygonFault::NOT_CONVEX || (fault == PolygonFault::SOUND && count > 4)) {
+        parts = convex_parts(polygon);
+    }
+    if (!parts || fault != PolygonFault::NOT_CONVEX) {
+        require_sound(polygon, "corners", "");
+    }
+    for (const std::vector<glm::dvec3> &part : *parts) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            light.corners[i] = glm::vec3(part[std::min(i, part.size() - 1)]);
+        }
+        scene.lights.push_back(light);
+    }
 }
 
 py::array_t<float> corners(const Camera &camera) {
@@ -345,9 +357,10 @@ Raises ValueError for a light without area, and for axes that are not at right a
 >>> Scene().add_area((0, 0, 3), (0.5, 0, 0), (0, 0.5, 0), (4, 4, 4))
 )")
         .def("add_polygon", &add_polygon, py::arg("corners"), py::arg("radiance"), py::arg("reach") = py::none(),
-             R"(Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners
-(3, 3) or (4, 3), in turn; radiance (3,) in W/(m^2 sr). It is not seen itself: that is add_mesh's emission.
-Raises ValueError for corners that are not flat and convex, or hold no area.
+             R"(Add a polygon that shines from both its sides, as a mesh that glows does: corners (3 to 64, 3), in turn;
+radiance (3,) in W/(m^2 sr). One with more than four corners, or that is not convex, becomes several lights. It is not
+seen itself: that is add_mesh's emission. Raises ValueError for corners that are not flat, that hold no area, or whose
+edges cross.
 
 >>> Scene().add_polygon([[0, 0, 3], [1, 0, 3], [0, 1, 3]], (4, 4, 4))
 )")

@@ -368,9 +368,10 @@ class Scene:
         where they are unit vectors across it, and narrower along longer ones.
         """
     def add_polygon(self, corners: ArrayLike, radiance: ArrayLike, reach: Reach | None = None) -> None:
-        """Add a triangle or a quadrilateral that shines from both its sides, as a mesh that glows does: corners (3,
-        3) or (4, 3), in turn; radiance (3,) in W/(m^2 sr). It is not seen itself: that is add_mesh's emission.
-        Raises ValueError for corners that are not flat and convex, or hold no area.
+        """Add a polygon that shines from both its sides, as a mesh that glows does: corners (3 to 64, 3), in turn;
+        radiance (3,) in W/(m^2 sr). One with more than four corners, or that is not convex, becomes several
+        lights. It is not seen itself: that is add_mesh's emission. Raises ValueError for corners that are not
+        flat, that hold no area, or whose edges cross.
         """
     def add_sun(
         self, direction: ArrayLike, irradiance: ArrayLike, angle: float = 0.0, reach: Reach | None = None

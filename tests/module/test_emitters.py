@@ -99,14 +99,31 @@ def test_a_glowing_surface_does_not_light_itself() -> None:
     assert (seen_on_floor(scene, np.random.default_rng(9).uniform(-0.9, 0.9, (200, 2))) == 0.0).all()
 
 
+@pytest.mark.parametrize("points, inner", [(3, 0.4), (5, 0.4), (12, 1.0)])
+def test_a_star_shines_as_the_fan_that_it_is(points: int, inner: float) -> None:
+    """Around its middle, which sees all of it, it is triangles."""
+    angle = np.arange(2 * points) * np.pi / points
+    radius = np.where(np.arange(2 * points) % 2 == 0, 1.0, inner)
+    star = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), 1.5 + 0.2 * radius * np.cos(angle)])
+    whole, fan = scene_of(cube()[:0], solid=False), scene_of(cube()[:0], solid=False)
+    whole.add_polygon(star, [RADIANCE] * 3)
+    for corner, following in zip(star, np.roll(star, -1, axis=0)):
+        fan.add_polygon([[0.0, 0.0, 1.5], corner, following], [RADIANCE] * 3)
+    assert seen_on_floor(whole, points_beside()) == pytest.approx(seen_on_floor(fan, points_beside()), rel=1e-4)
+
+
+def points_beside() -> np.ndarray:
+    return np.random.default_rng(10).uniform(-3, 3, (200, 2))
+
+
 @pytest.mark.parametrize(
     "corners, words",
     [
         ([[0, 0, 0], [1, 0, 0]], "(2, 3)"),
-        ([[0, 0, 0]] * 5, "(5, 3)"),
+        ([[0, 0, 0]] * 65, "(65, 3)"),
         ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], "(2, 0, 0)], which has no area"),
         ([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], "which is not planar"),
-        ([[0, 0, 0], [1, 0, 0], [0.2, 0.2, 0], [0, 1, 0]], "which is not convex"),
+        ([[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 0.9, 0]], "crosses itself"),
         ([[0, 0, 0], [1, 0, 0], [0, float("nan"), 0]], "nan"),
         ([[0, 0, 0], [1, 0, 0], [0, 1e20, 0]], "1e+20"),
     ],
