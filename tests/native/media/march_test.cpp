@@ -4,8 +4,10 @@
 #include "text/march_text.hpp"
 #include "text/media_text.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -112,10 +114,15 @@ struct Cubes {
     static constexpr int MEDIA = 2;
 
     int count = 1;
-    float density = 1.0F; // of each, per metre
-    float first = 0.0F;   // where the first begins; the next one begins a metre further
-    float full = 0.0F;    // cells before that are known to be empty
-    int asked = 0;        // how often density was looked up
+    float density = 1.0F;                      // of each, per metre
+    float first = 0.0F;                        // where the first begins; the next one begins a metre further
+    float full = 0.0F;                         // cells before that are known to be empty
+    int asked = 0;                             // how often density was looked up
+    std::vector<std::array<float, 3>> knots{}; // where a step ends, the radiance and the optical depth up to there
+
+    void leave_knot(float t, float /*step*/, const glm::vec3 &radiance, float depth) {
+        knots.push_back({t, radiance.x, depth});
+    }
 
     [[nodiscard]] int media_count() const { return count; }
     [[nodiscard]] float begin(int m) const { return first + static_cast<float>(m); }
@@ -174,6 +181,18 @@ TEST(March, GoesThroughAllMediaInTheOrderOfTheRay) {
     EXPECT_NEAR(smoke.depth, 2.0F, 1e-5F);
     EXPECT_NEAR(smoke.radiance.x, sent, 2e-5);
     EXPECT_NEAR(smoke.radiance.z, behind, 2e-5) << "only the second one scatters blue";
+}
+
+TEST(March, LeavesWhatItHasMetSoFar) {
+    MarchText text{{1, 2.0F, 0.25F}};
+    const MarchText::Smoke smoke = text.march(AHEAD, 10.0F);
+    ASSERT_EQ(text.knots.size(), 100U) << "at the end of each step";
+    for (const auto &[t, radiance, depth] : text.knots) {
+        const double inside = double{t} - 3.25;
+        EXPECT_NEAR(double{depth}, 2.0 * inside, 1e-5);
+        EXPECT_NEAR(double{radiance}, 1.0 - std::exp(-2.0 * inside), 2e-5);
+    }
+    EXPECT_EQ(text.knots.back(), (std::array{4.25F, smoke.radiance.x, smoke.depth}));
 }
 
 TEST(March, LeapsOverWhatIsEmptyAndStopsWhereNothingIsSeen) {
