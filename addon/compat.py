@@ -172,6 +172,12 @@ def facets_are_lossless(shader: Any) -> bool:
     return bool(bpy.app.version >= (4, 0, 0)) and shader.distribution == "MULTI_GGX"
 
 
+def has_transparent_shadow(material: Any) -> bool:
+    """A setting of Cycles before 4.2, and of every material since."""
+    own = getattr(material, "use_transparent_shadow", None)
+    return bool(getattr(getattr(material, "cycles", None), "use_transparent_shadow", True) if own is None else own)
+
+
 def grooves() -> int:
     """What kind of native diffuse surface Cycles' rough ones are, by Oren and Nayar: until 4.2.23 of one reflection, from
     4.3.2 on of all, and up to 5.2.2 with the later ones in the colour of one reflection more. 'rough diffuse, towards the

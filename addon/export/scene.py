@@ -270,6 +270,7 @@ def add_surfaces(
             object_index=indices,
             material_index=np.array(group.material_indices, dtype=np.float64),
             visibility=visibility.native(seen),
+            transmittance=surfaces.transmittances(group.surfaces),
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials of surfaces reduced to what is modelled: one diffuse part, and layers of gloss above it."""
+"""Materials of surfaces reduced to what is modelled: one diffuse part, layers of gloss above it, and holes between."""
 
 from __future__ import annotations
 
@@ -50,12 +50,13 @@ class Gloss:
 
 @dataclass
 class Surface:
-    """How a material reflects, and glows."""
+    """How a material reflects, glows, and lets light straight through; of what it does, its share of the surface is taken."""
 
     albedo: NDArray[np.float64] = field(default_factory=_black)
     gloss: list[Gloss] = field(default_factory=list)  # from the top
     emission: NDArray[np.float64] = field(default_factory=_black)
     diffuse: tuple[int, float] = LAMBERT  # a native kind, and its roughness
+    transmittance: NDArray[np.float64] = field(default_factory=_black)
 
 
 def brushed(surfaces: list[Surface]) -> bool:
@@ -73,6 +74,12 @@ def rows_of_gloss(surfaces: list[Surface]) -> NDArray[np.float64] | None:
         for k, gloss in enumerate(surface.gloss):
             row[k] = gloss.row
     return rows
+
+
+def transmittances(surfaces: list[Surface]) -> NDArray[np.float64] | None:
+    """Of all surfaces, (k, 3); None where they are opaque."""
+    rows = np.array([surface.transmittance for surface in surfaces])
+    return rows if rows.any() else None
 
 
 def diffuse_kinds(surfaces: list[Surface]) -> list[tuple[int, float]] | None:
@@ -141,7 +148,7 @@ def principled(shader: Any, reader: Reader) -> Surface:
     surface.emission = emission
     if emission.any() and Reader(reader.owner, []).number(shader, "Coat Weight") > 0.0:
         reader.say("its glow is as if it had no Coat")
-    return surface
+    return _laid_beside(Surface(transmittance=np.ones(3)), surface, 1.0 - reader.number(shader, "Alpha"))
 
 
 def _of_one_gloss(shader: Any, reader: Reader, colour: NDArray[np.float64], lobe: Gloss) -> Surface:
@@ -216,14 +223,26 @@ def mixed(shader: Any, reader: Reader, depth: int) -> Surface | None:
             return below
         if top.albedo.any() or len(top.gloss) > 1:
             continue
-        layer = top.gloss[0] if top.gloss else Gloss(_black(), (1.0, 1.0))
-        beside = replace(layer, share=layer.share * part, below=LEAVES_NOTHING)
-        emission = part * top.emission + (1.0 - part) * below.emission
-        return Surface(below.albedo, [beside, *below.gloss], emission, below.diffuse)
+        return _laid_beside(top, below, part)
     if first.gloss or second.gloss or {first.diffuse, second.diffuse} != {LAMBERT}:
         return None
-    emission = (1.0 - share) * first.emission + share * second.emission
-    return Surface((1.0 - share) * first.albedo + share * second.albedo, [], emission)
+    both = _laid_beside(replace(second, albedo=_black()), first, share)
+    return replace(both, albedo=both.albedo + share * second.albedo)
+
+
+def _laid_beside(top: Surface, below: Surface, part: float) -> Surface:
+    """What has, of a surface, a `part` like `top`, which has no diffuse part and at most one layer of gloss."""
+    emission = part * top.emission + (1.0 - part) * below.emission
+    transmittance = part * top.transmittance + (1.0 - part) * below.transmittance
+    if not top.gloss and not below.gloss and below.diffuse == LAMBERT:
+        return Surface((1.0 - part) * below.albedo, [], emission, LAMBERT, transmittance)
+    if part <= 0.0:
+        return below
+    layers = [replace(layer, share=layer.share * part, below=LEAVES_NOTHING) for layer in top.gloss]
+    left = part - sum(layer.share for layer in layers)
+    if left > 1e-6:  # of the top, without gloss
+        layers.append(Gloss(_black(), (1.0, 1.0), below=LEAVES_NOTHING, share=left / (1.0 - part + left)))
+    return Surface(below.albedo, [*layers, *below.gloss], emission, below.diffuse, transmittance)
 
 
 def added(shader: Any, reader: Reader, depth: int) -> Surface | None:
@@ -231,7 +250,7 @@ def added(shader: Any, reader: Reader, depth: int) -> Surface | None:
     first, second = (_behind(shader, k, reader, depth) for k in (0, 1))
     if first is None or second is None:
         return None
-    emission = first.emission + second.emission
+    emission, transmittance = first.emission + second.emission, first.transmittance + second.transmittance
     for top, below in ((first, second), (second, first)):
         if not top.albedo.any() and len(top.gloss) < 2:
             return Surface(
@@ -239,10 +258,11 @@ def added(shader: Any, reader: Reader, depth: int) -> Surface | None:
                 [*(replace(layer, below=0.0) for layer in top.gloss), *below.gloss],
                 emission,
                 below.diffuse,
+                transmittance,
             )
     if first.gloss or second.gloss or {first.diffuse, second.diffuse} != {LAMBERT}:
         return None
-    return Surface(first.albedo + second.albedo, [], emission)
+    return Surface(first.albedo + second.albedo, [], emission, transmittance=transmittance)
 
 
 def _behind(shader: Any, socket: int, reader: Reader, depth: int) -> Surface | None:
@@ -259,6 +279,8 @@ def of_shader(shader: Any, reader: Reader, depth: int = 0) -> Surface | None:
         return principled(shader, reader)
     if shader.type == "EMISSION":
         return Surface(emission=reader.colour(shader, "Color") * reader.number(shader, "Strength", high=math.inf))
+    if shader.type == "BSDF_TRANSPARENT":
+        return Surface(transmittance=reader.colour(shader, "Color"))
     if shader.type == "BSDF_DIFFUSE":
         rough = reader.number(shader, "Roughness")
         return Surface(reader.colour(shader, "Color"), diffuse=(compat.grooves(), rough) if rough > 0.0 else LAMBERT)
@@ -285,10 +307,22 @@ def surface_of(material: Any, owner: str, notices: list[str]) -> Surface | None:
     surface = of_shader(shader, Reader(owner, said))
     if surface is not None:
         notices += said
-        return surface
+        return _dimmed(surface, material, owner, notices)
     name = shader.bl_rna.name
     notices.append(f"{owner}: its shader {name} is shown as diffuse in the material's viewport color")
     return Surface(np.array(material.diffuse_color[:3]))
+
+
+def _dimmed(surface: Surface, material: Any, owner: str, notices: list[str]) -> Surface:
+    """What lets light through, and no more than there is."""
+    through = surface.transmittance
+    if through.max() > 1.0:
+        shown = ", ".join(f"{part:.3g}" for part in np.minimum(through, 1.0))
+        notices.append(f"{owner}: it makes light that passes through it brighter, which is not shown; it lets ({shown}) through")
+        surface = replace(surface, transmittance=np.minimum(through, 1.0))
+    if through.any() and not compat.has_transparent_shadow(material):
+        notices.append(f"{owner}: its Transparent Shadows, which are off, are shown as on")
+    return surface
 
 
 def surfaces(thing: Any, depsgraph: Any, notices: list[str]) -> list[Surface] | None:

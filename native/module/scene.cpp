@@ -56,11 +56,12 @@ std::vector<std::uint32_t> numbers(const std::optional<Doubles> &array, std::siz
 void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &to_world, const Floats &albedo,
                    const std::optional<Floats> &gloss, const std::optional<Floats> &emission,
                    const std::optional<Floats> &diffuse, const std::optional<Doubles> &object_index,
-                   const std::optional<Doubles> &material_index, const std::optional<Visibility> &visibility) {
+                   const std::optional<Doubles> &material_index, const std::optional<Visibility> &visibility,
+                   const std::optional<Floats> &transmittance) {
     Instances out;
     out.visibility = visibility.value_or(Visibility{});
     out.shape = mesh.shape;
-    out.materials = checked_materials(albedo, gloss, emission, diffuse);
+    out.materials = checked_materials(albedo, gloss, emission, diffuse, transmittance);
     if (out.materials.albedo.size() < mesh.materials) {
         throw py::value_error("albedo has " + text(out.materials.albedo.size()) + " rows, but the mesh names " +
                               text(mesh.materials) + " materials");
@@ -74,7 +75,7 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
 void add_mesh(ConsoleScene &scene, const Floats &vertices, const Doubles &triangles, const Floats &corner_normals,
               const Doubles &material, const Floats &albedo, const std::optional<Floats> &gloss,
               const std::optional<Floats> &corner_tangents, const std::optional<Floats> &emission,
-              const std::optional<Floats> &diffuse) {
+              const std::optional<Floats> &diffuse, const std::optional<Floats> &transmittance) {
     require_shape(triangles, {-1, 3}, "triangles");
     require_shape(corner_normals, {triangles.shape(0), 3, 3}, "corner_normals");
     require_finite(corner_normals, "corner_normals");
@@ -87,7 +88,7 @@ void add_mesh(ConsoleScene &scene, const Floats &vertices, const Doubles &triang
     static_cast<void>(indices(material, albedo.shape(0), "material"));
     Instances out;
     out.shape = checked_mesh(vertices, triangles, corner_normals, material, corner_tangents).shape;
-    out.materials = checked_materials(albedo, gloss, emission, diffuse);
+    out.materials = checked_materials(albedo, gloss, emission, diffuse, transmittance);
     out.to_world = {glm::mat4(1.0F)};
     scene.meshes.push_back(std::move(out));
 }
@@ -276,6 +277,7 @@ void bind_scene(py::module_ &m) {
         .def("add_mesh", &add_mesh, py::arg("vertices"), py::arg("triangles"), py::arg("corner_normals"),
              py::arg("material"), py::arg("albedo"), py::arg("gloss") = py::none(),
              py::arg("corner_tangents") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse") = py::none(),
+             py::arg("transmittance") = py::none(),
              R"(Add triangles that reflect diffusely, and with gloss.
 
 vertices (n, 3), metres in world space; triangles (m, 3), indices into vertices; corner_normals (m, 3, 3), unit
@@ -291,7 +293,9 @@ surface that has this layer; and the turn of the tangent, counterclockwise, over
 corner_tangents (m, 3, 3). emission (k, 3), the radiance in W/(m^2 sr) that the surface sends to the eye by
 itself; what it lights, add_polygon does. diffuse (k, 2): 0 for Lambert's surfaces, which all are without it, 1 for
 Burley's (2012), 2 for Oren and Nayar's (1994), 3 with what they send on after further reflections (Portsmouth, Kutz and
-Hill 2025), 4 with that in the colour of one reflection more; and a roughness in [0, 1].
+Hill 2025), 4 with that in the colour of one reflection more; and a roughness in [0, 1]. transmittance (k, 3) in [0, 1],
+the share of light of each colour that passes straight through, to the eye and in shadows; what the rest of the surface
+reflects and emits is what all else says.
 Raises ValueError for wrong shapes, indices out of range and values that are not finite or not in range.
 
 >>> Scene().add_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [[0.8, 0.8, 0.8]])
@@ -299,10 +303,10 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
         .def("add_instances", &add_instances, py::arg("mesh"), py::arg("to_world"), py::arg("albedo"),
              py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse") = py::none(),
              py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
-             py::arg("visibility") = py::none(),
+             py::arg("visibility") = py::none(), py::arg("transmittance") = py::none(),
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
-world. albedo (k, 3), gloss, emission (k, 3) and diffuse (k, 2) are those of add_mesh, a row for each
-material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
+world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of add_mesh, a row for
+each material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
 gives by these names; visibility, what it is to the camera and to lights, or all of that. Raises ValueError as add_mesh
 does, and for too few rows.
 

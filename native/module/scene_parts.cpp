@@ -181,7 +181,8 @@ CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_giv
 }
 
 Materials checked_materials(const Floats &albedo, const std::optional<Floats> &gloss,
-                            const std::optional<Floats> &emission, const std::optional<Floats> &diffuse) {
+                            const std::optional<Floats> &emission, const std::optional<Floats> &diffuse,
+                            const std::optional<Floats> &transmittance) {
     require_shape(albedo, {-1, 3}, "albedo");
     require_range(albedo, 0.0F, 1.0F, "albedo");
     Materials out;
@@ -196,6 +197,11 @@ Materials checked_materials(const Floats &albedo, const std::optional<Floats> &g
     }
     if (diffuse) {
         out.diffuse = diffuse_of(*diffuse, albedo.shape(0));
+    }
+    if (transmittance) {
+        require_shape(*transmittance, {albedo.shape(0), 3}, "transmittance");
+        require_range(*transmittance, 0.0F, 1.0F, "transmittance");
+        vectors(*transmittance, out.transmittance);
     }
     return out;
 }
@@ -273,6 +279,8 @@ void require_plain(const std::vector<Thing> &things, const std::string &name, co
 Scene ConsoleScene::for_reference() const {
     const auto seen = [](const auto &thing) { return thing.visibility == Visibility{}; };
     require_plain(meshes, "there is a visibility of mesh", seen);
+    require_plain(meshes, "there is a transmittance of mesh",
+                  [](const Instances &mesh) { return mesh.materials.transmittance.empty(); });
     require_plain(media, "there is a visibility of medium", seen);
     require_plain(lights, "there is a reach of light", [](const Light &l) { return l.reach == Reach{}; });
     require_plain(lights, "there is a stretched cone of light", [](const Light &l) { return !l.oval; });

@@ -27,7 +27,8 @@ CheckedMesh checked_mesh(const arguments::Floats &vertices, const arguments::py:
 
 Materials checked_materials(const arguments::Floats &albedo, const std::optional<arguments::Floats> &gloss,
                             const std::optional<arguments::Floats> &emission,
-                            const std::optional<arguments::Floats> &diffuse);
+                            const std::optional<arguments::Floats> &diffuse,
+                            const std::optional<arguments::Floats> &transmittance);
 
 // Densities, cropped; the grid is null where nothing can be seen of them.
 struct CheckedGrid {

@@ -314,12 +314,13 @@ class Scene:
         object_index: ArrayLike | None = None,
         material_index: ArrayLike | None = None,
         visibility: Visibility | None = None,
+        transmittance: ArrayLike | None = None,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
-        world. albedo (k, 3), gloss, emission (k, 3) and diffuse (k, 2) are those of add_mesh, a row for each
-        material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what
-        Frame.passes gives by these names; visibility, what it is to the camera and to lights, or all of that.
-        Raises ValueError as add_mesh does, and for too few rows.
+        world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of
+        add_mesh, a row for each material that the mesh names. object_index (n,), a number for each place, and
+        material_index (k,) are what Frame.passes gives by these names; visibility, what it is to the camera and
+        to lights, or all of that. Raises ValueError as add_mesh does, and for too few rows.
         """
     def add_medium(
         self,
@@ -345,6 +346,7 @@ class Scene:
         corner_tangents: ArrayLike | None = None,
         emission: ArrayLike | None = None,
         diffuse: ArrayLike | None = None,
+        transmittance: ArrayLike | None = None,
     ) -> None:
         """Add triangles that reflect diffusely, and with gloss."""
     def add_point(

@@ -77,6 +77,9 @@ struct Materials {
     std::vector<Diffuse> diffuse;     // one for each albedo; or none: Lambert's
     std::vector<Gloss> gloss;         // for each albedo equally many layers, from the top; or none
     std::vector<glm::vec3> emission;  // radiance on both sides, one for each albedo; or none. A POLYGON is its light
+    // The share of light, of each colour, that passes straight through, one for each albedo; or none: all are opaque.
+    // What the rest of it does is all that stands above.
+    std::vector<glm::vec3> transmittance;
     std::vector<std::uint32_t> index; // an artist's number for a compositor, one for each albedo; or none: 0
 };
 

@@ -47,6 +47,7 @@ VALUES: dict[str, Any] = {
     "mesh": sfumato.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
     "to_world": np.eye(4),
     "albedo": [[0.5, 0.5, 0.5]],
+    "transmittance": [[0.5, 0.5, 0.5]],
     "grid_to_world": np.eye(4),
     "scattering": (1, 1, 1),
     "absorption": (0, 0, 0),

@@ -13,9 +13,8 @@ FOLLOWED = (
         "ShaderNodeBsdfPrincipled",
         ("Base Color", "Metallic", "Roughness", "Diffuse Roughness", "Anisotropic", "Anisotropic Rotation", "Specular",
          "IOR", "Specular IOR Level", "Specular Tint", "Coat Weight", "Coat Roughness", "Coat IOR", "Emission",
-         "Emission Color", "Emission Strength", "distribution"),
+         "Emission Color", "Emission Strength", "Alpha", "distribution"),
         (
-            Socket("Alpha", (1.0,), "it is opaque"),
             _NORMAL,
             Socket("Coat Normal", (), "the coat is as the surface is", unless=("Coat Weight", 0.0)),
             Socket("Subsurface", (0.0,), "it is diffuse"),
@@ -51,6 +50,7 @@ FOLLOWED = (
         (_NORMAL, Socket("Tangent", (), "it runs around the object's Z axis", unless=("Anisotropy", 0.0))),
         idle={_WEIGHT: ("Weight",)},
     ),
+    Node("ShaderNodeBsdfTransparent", ("Color",), idle={_WEIGHT: ("Weight",)}),
     Node("ShaderNodeMixShader", ("Shader",), elsewhere=("Fac", "Factor")),
     Node("ShaderNodeAddShader", ("Shader",)),
     Node("ShaderNodeEmission", ("Color", "Strength"), idle={_WEIGHT: ("Weight",)}),
@@ -90,7 +90,7 @@ FOLLOWED = (
 # What becomes of the others, and their names without "ShaderNode".
 SURFACES = (
     "BsdfGlass BsdfHair BsdfHairPrincipled BsdfMetallic BsdfRayPortal BsdfRefraction BsdfSheen BsdfToon "
-    "BsdfTranslucent BsdfTransparent BsdfVelvet Group Holdout Script SubsurfaceScattering"
+    "BsdfTranslucent BsdfVelvet Group Holdout Script SubsurfaceScattering"
 )
 VOLUMES = "VolumeAbsorption VolumeCoefficients VolumeScatter"
 VALUES = (

@@ -290,15 +290,18 @@ VOLUME_DISPLAY = Struct(
     },
 )
 
+_TRANSPARENT_SHADOW = Named(
+    "use_transparent_shadow", (True,), "its Transparent Shadows, which are off, are shown as on", elsewhere=True
+)
 MATERIAL = Struct(
     "Material",
     "material",
+    named=(_TRANSPARENT_SHADOW,),
     followed={
         "nodes, and the viewport color where there are none": "node_tree use_nodes diffuse_color",
         "the pass Material Index": "pass_index",
     },
     idle={
-        "transparent surfaces, which nodes name": "use_transparent_shadow",
         "displacement, which nodes name": "displacement_method max_vertex_displacement",
         _EEVEE: "blend_method shadow_method surface_render_method alpha_threshold show_transparent_back "
         "use_transparency_overlap use_backface_culling use_backface_culling_shadow "
@@ -318,11 +321,11 @@ CYCLES_MATERIAL = Struct(
               kinds=("SMOKE",)),
         Named("homogeneous_volume", (False,), "its Homogeneous is not followed; its smoke is as dense as its voxels say",
               kinds=("SMOKE",)),
+        _TRANSPARENT_SHADOW,
     ),
     idle={
         _SAMPLING: "sample_as_light emission_sampling volume_sampling",
         "how exactly Cycles marches smoke; ours is the scene's Quality": "volume_step_rate",
-        "transparent surfaces, which nodes name": "use_transparent_shadow",
         "displacement, which nodes name": "displacement_method",
         "bump, which nodes name": "use_bump_map_correction",
     },

@@ -110,8 +110,9 @@ CYCLES = Struct(
         _INDIRECT: "max_bounces diffuse_bounces glossy_bounces transmission_bounces volume_bounces min_light_bounces "
         "caustics_reflective caustics_refractive blur_glossy sample_clamp_indirect use_fast_gi fast_gi_method "
         "ao_bounces ao_bounces_render",
-        "transparent surfaces, which their materials name": "transparent_max_bounces min_transparent_bounces "
-        "film_transparent_glass film_transparent_roughness",
+        "how many transparent surfaces Cycles looks through; we do through all": "transparent_max_bounces "
+        "min_transparent_bounces",
+        "glass, which materials name": "film_transparent_glass film_transparent_roughness",
         _SAMPLING: "samples preview_samples sample_offset use_sample_subset sample_subset_length time_limit "
         "sampling_pattern scrambling_distance preview_scrambling_distance auto_scrambling_distance use_layer_samples "
         "light_sampling_threshold use_adaptive_sampling adaptive_threshold adaptive_min_samples "
