@@ -77,6 +77,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
             edge_samples=props.QUALITIES[props.of(settings).quality].edge_samples,
             progress=self.go_on,
             mist=passes.mist_of(materials.world_of(depsgraph)),
+            least_alpha=depsgraph.view_layer.pass_alpha_threshold,
             **passes.eye_of(camera, view),
             **filter_of(settings),
         )

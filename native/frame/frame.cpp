@@ -39,6 +39,7 @@ FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) c
     view.media = media;
     view.seen_media = media.first(content_.seen_media);
     view.grey = content_.grey;
+    view.sorted = view.surfaces.sheets.scene != nullptr;
     view.background = background_;
     view.background_alpha = background_alpha_;
     return view;
@@ -59,10 +60,11 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
 }
 
 std::optional<Image> Frame::passes(const Camera &camera, int width, int height, LayerSet wanted, const Mist &mist,
-                                   const Film &film, const Progress &progress) const {
+                                   float least_alpha, const Film &film, const Progress &progress) const {
     const MediaViews media = views_of(content_.media, step_length_);
     FrameView seen = view(camera, media.views);
     seen.mist = mist;
+    seen.least_alpha = least_alpha;
     const Tracer tracer{*instruction_set_, seen, wanted, *clock_};
     std::optional<Image> picture =
         prepared_->arena.execute([&] { return traced(tracer, width, height, film, progress); });

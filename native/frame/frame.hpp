@@ -33,7 +33,8 @@ public:
 
     // The same, and the passes that are asked for beside the PICTURE.
     [[nodiscard]] std::optional<Image> passes(const Camera &camera, int width, int height, LayerSet wanted,
-                                              const Mist &mist, const Film &film, const Progress &progress) const;
+                                              const Mist &mist, float least_alpha, const Film &film,
+                                              const Progress &progress) const;
 
     // What a GPU needs of the surfaces: RGB, and the distance to the first surface through the pixel's centre. RGB is
     // one layer of theirs, sampled and filtered as a picture is.
@@ -51,8 +52,10 @@ public:
     [[nodiscard]] std::span<const CroppedMedium> media() const { return content_.media; }
     [[nodiscard]] std::size_t seen_media() const { return content_.seen_media; } // which come first
     [[nodiscard]] const Lighting &lighting() const { return content_.lighting; }
-    // Whether every surface has an alpha of 1.
-    [[nodiscard]] bool opaque() const { return content_.surfaces->opaque() || background_alpha_ == 1.0F; }
+    // Whether the first surface on each ray has an alpha of 1.
+    [[nodiscard]] bool opaque() const {
+        return !content_.surfaces->sheets() && (content_.surfaces->opaque() || background_alpha_ == 1.0F);
+    }
     [[nodiscard]] bool grey() const { return content_.grey; }
     [[nodiscard]] const glm::dvec3 &origin() const { return origin_; }
     [[nodiscard]] double step_length() const { return step_length_; } // cells

@@ -15,7 +15,7 @@ struct Behind {
 } // namespace
 
 void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers) {
-    const bool smoky = wanted.has(Layer::SMOKE) && (!view.seen_media.empty() || view.sorted);
+    const bool smoky = (wanted.has(Layer::SMOKE) && !view.seen_media.empty()) || merges(view, wanted);
     const bool overlay = wanted.overlay();
     if (!smoky && wanted.has(Layer::SMOKE_ALONE)) {
         for (std::size_t c = 0; c < 3; ++c) {
@@ -24,7 +24,7 @@ void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers
         }
     }
     for (int lane = 0; lane < lanes; ++lane) {
-        float left = 0.0F, through = 0.0F;
+        float left = 0.0F, through = 0.0F, sent = 0.0F;
         for (int c = 0; c < 3; ++c) {
             const Behind smoke = smoky ? Behind{layers.smoke[c][lane], layers.through[c][lane]} : Behind{0.0F, 1.0F};
             const float surface = layers.surface[c][lane];
@@ -33,10 +33,12 @@ void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers
                 layers.behind[c][lane] = smoke.through * (1.0F - view.shadow_strength * surface);
             }
             left += surface * smoke.through;
+            sent += smoke.smoke;
             through += smoke.through;
         }
         const float cover = wanted.has(Layer::RADIANCE) ? layers.cover[lane] : layers.hit[lane];
         left += layers.caught[lane] * through;
+        left = merges(view, wanted) ? std::min(left + sent, 3.0F * layers.open[lane]) : left; // sheets are among it
         const bool opaque = cover == 1.0F || overlay || !smoky;
         layers.picture[3][lane] = opaque ? cover : 1.0F - through * (1.0F / 3.0F) * (1.0F - cover);
         layers.seen[lane] = smoky ? left * (1.0F / 3.0F) / std::max(layers.open[lane], 1e-20F) : 1.0F;

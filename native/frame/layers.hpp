@@ -37,6 +37,7 @@ struct FrameView {
     float background_alpha = 0.0F;
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most
     Mist mist;                    // where that is asked for
+    float least_alpha = 0.5F;     // of a sheet of which passes tell
 };
 
 enum class Layer : std::uint16_t {
@@ -74,6 +75,12 @@ struct LayerSet {
         return both;
     }
 };
+
+// Whether what lies before a surface is merged: with the smoke, or without it what sheets there are.
+inline bool merges(const FrameView &view, LayerSet wanted) {
+    const bool sheets = wanted.has(Layer::RADIANCE) && view.surfaces.sheets.scene != nullptr;
+    return view.sorted && (wanted.has(Layer::SMOKE) || sheets);
+}
 
 constexpr LayerSet PICTURE = LayerSet(Layer::RADIANCE).with(Layer::SMOKE);
 
@@ -131,6 +138,7 @@ struct Layers {
 
 struct FrameKernels {
     void (*surfaces)(const FrameView &, LayerSet, const Packet &, Layers &);
+    void (*sheets)(const FrameView &, LayerSet, const Packet &, Layers &);
     void (*march)(const FrameView &, const Packet &, Layers &);
     void (*merge)(const FrameView &, const Packet &, Layers &);
 };

@@ -34,7 +34,8 @@ std::string ray_problem() {
     triangle.shape = std::make_shared<const Shape>(std::move(shape));
     triangle.to_world = {glm::mat4(1.0F)};
     Solids solids(1);
-    const std::shared_ptr<const Places> places = solids.places(std::span(&triangle, 1), {true});
+    const std::shared_ptr<const Places> places =
+        solids.places(Divided(std::span(&triangle, 1), solids.parts()), {true});
     const float hit = first_hit(places->scene.get(), {0.25F, 0.25F, DISTANCE}, {0.0F, 0.0F, -1.0F});
     if (std::abs(hit - DISTANCE) < 1e-5F) {
         return {};

@@ -70,12 +70,18 @@ constexpr std::array RAYS = {
     RayStage{"surfaces", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },
              [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet &packet,
                 Layers &layers) { frame_kernels(with).surfaces(view, wanted, packet, layers); }},
+    RayStage{"sheets",
+             [](const FrameView &view, LayerSet wanted) {
+                 return wanted.has(Layer::RADIANCE) && view.surfaces.sheets.scene != nullptr;
+             },
+             [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet &packet,
+                Layers &layers) { frame_kernels(with).sheets(view, wanted, packet, layers); }},
     RayStage{
         "march",
         [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.seen_media.empty(); },
         [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
            Layers &layers) { frame_kernels(with).march(view, packet, layers); }},
-    RayStage{"merge", [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && view.sorted; },
+    RayStage{"merge", [](const FrameView &view, LayerSet wanted) { return merges(view, wanted); },
              [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
                 Layers &layers) { frame_kernels(with).merge(view, packet, layers); }},
     RayStage{"composite", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },

@@ -29,6 +29,7 @@ struct LightView : Light {
     float size2 = 0.0F;                 // of falloff()
     std::span<const glm::vec3> samples; // points; of a sun, directions towards it
     RayScene solids;                    // that may hide it
+    RayScene sheets;                    // that may dim it
     const LightMapView *maps = nullptr; // for each sample and medium; the medium runs fastest
 
     // Whether its rays are parallel: then its direction is the same everywhere, and it does not fall off.

@@ -61,6 +61,7 @@ Lighting::Lighting(std::span<const Light> lights, std::span<const CroppedMedium>
     for (const Light &light : lights) {
         views_.push_back(view_of(light, cell));
         views_.back().solids = view_of(surfaces.hiding(light));
+        views_.back().sheets = view_of(surfaces.dimming(light));
     }
     const auto faces = std::count_if(views_.begin(), views_.end(), [](const LightView &v) { return v.of_mesh(); });
     // The faces of a mesh that glows are parts of one light: what each of them throws is blurred by the others.

@@ -109,10 +109,11 @@ Mist mist_of(const std::optional<Floats> &given, const Floats &eye, const Floats
 py::object passes(const Frame &frame, const Camera &camera, int width, int height,
                   const std::vector<std::string> &names, int edge_samples, const PythonProgress &progress,
                   const std::optional<Floats> &mist, const Floats &eye, const Floats &axis, const std::string &filter,
-                  float filter_width) {
+                  float filter_width, float least_alpha) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
     require_range(filter_width, 0.01F, 10.0F, "filter_width");
+    require_range(least_alpha, 0.0F, 1.0F, "least_alpha");
     const auto shape = one_of<3>(filter, {"blackman_harris", "gaussian", "box"}, "filter");
     const Film film{edge_samples, {static_cast<Filter::Shape>(shape), filter_width}};
     LayerSet wanted = PICTURE;
@@ -132,7 +133,7 @@ py::object passes(const Frame &frame, const Camera &camera, int width, int heigh
     std::optional<Image> image;
     {
         const py::gil_scoped_release unlocked;
-        image = frame.passes(camera, width, height, wanted, fading, film, reporting(progress));
+        image = frame.passes(camera, width, height, wanted, fading, least_alpha, film, reporting(progress));
     }
     if (!image) {
         return py::none();
@@ -304,6 +305,7 @@ True
              py::arg("edge_samples") = 16, py::arg("progress") = py::none(), py::arg("mist") = py::none(),
              py::arg("eye") = std::array<float, 3>{}, py::arg("axis") = std::array<float, 3>{},
              py::arg("filter") = "blackman_harris", py::arg("filter_width") = Filter{}.width,
+             py::arg("least_alpha") = FrameView{}.least_alpha,
              R"(A dictionary of images (height, width, n) float32: "picture", which is what render() makes, and those of
 names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the scene's space, and 1
 where there is a surface, 0 where there is none; "object_index" and "material_index" (1) as add_instances has them, else
@@ -313,6 +315,8 @@ smoke leaves it; "shadow" (3), the share of the light that it reflects that smok
 something is held out or catches shadows. Where there is no light, as where there is no surface, the first is 1, for a
 product, and the second 0, as in Cycles.
 
+What is said of one surface, its place, normal and numbers, is said of the first whose alpha is at least least_alpha,
+where some let light through.
 mist: start and depth in metres and a power, of the way from `eye`, or of what is parallel along `axis` from there.
 filter, "blackman_harris", "gaussian" or "box", and filter_width in pixels are Cycles'; a box has 1.
 

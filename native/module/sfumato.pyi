@@ -75,6 +75,7 @@ class Frame:
         axis: ArrayLike = [0.0, 0.0, 0.0],
         filter: str = "blackman_harris",
         filter_width: float = 1.5,
+        least_alpha: float = 0.5,
     ) -> Any:
         """A dictionary of images (height, width, n) float32: "picture", which is what render() makes, and those of
         names. Of the first surface on each ray, through the middle of each pixel: "position" (4), in the scene's

@@ -14,8 +14,27 @@
 
 namespace sfumato {
 
-// One packet of rays, `Lanes` wide, against a scene: the first hit, or whether anything is hit at all. Coherent
-// rays are faster; but among instances Embree 3.13 never comes back from coherent packets that ask for occlusion.
+// What Embree calls a filter with, for each hit: who asks is known by where its context lies.
+struct Asking {
+#if RTC_VERSION_MAJOR >= 4
+    RTCRayQueryContext context;
+#else
+    RTCIntersectContext context;
+#endif
+    void *who = nullptr;
+};
+
+// Scenes in which filters are heard, and in which no ray slips through between two triangles.
+#if RTC_VERSION_MAJOR >= 4
+constexpr int HEARD = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+#else
+constexpr int HEARD = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+#endif
+constexpr auto FILTERED = static_cast<RTCSceneFlags>(HEARD | static_cast<int>(RTC_SCENE_FLAG_ROBUST));
+
+// One packet of rays, `Lanes` wide, against a scene: the first hit, or whether anything is hit at all; or, by a filter
+// that refuses them, all hits in any order. Coherent rays are faster; but among instances Embree 3.13 never comes back
+// from coherent packets that ask for occlusion.
 template <int Lanes>
 struct Rays;
 
@@ -30,6 +49,18 @@ struct Rays;
         }                                                                                                              \
         static void occluded(const int *valid, RTCScene scene, bool, Ray &rays) {                                      \
             rtcOccluded##LANES(valid, scene, &rays, nullptr);                                                          \
+        }                                                                                                              \
+        static void filtered(const int *valid, RTCScene scene, bool, Ray &rays, RTCFilterFunctionN filter,             \
+                             void *who) {                                                                              \
+            Asking asking;                                                                                             \
+            rtcInitRayQueryContext(&asking.context);                                                                   \
+            asking.who = who;                                                                                          \
+            RTCOccludedArguments arguments;                                                                            \
+            rtcInitOccludedArguments(&arguments);                                                                      \
+            arguments.context = &asking.context;                                                                       \
+            arguments.filter = filter;                                                                                 \
+            arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;                                               \
+            rtcOccluded##LANES(valid, scene, &rays, &arguments);                                                       \
         }                                                                                                              \
     };
 #else
@@ -49,6 +80,16 @@ struct Rays;
             rtcInitIntersectContext(&context);                                                                         \
             context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;    \
             rtcOccluded##LANES(valid, scene, &context, &rays);                                                         \
+        }                                                                                                              \
+        static void filtered(const int *valid, RTCScene scene, bool coherent, Ray &rays, RTCFilterFunctionN filter,    \
+                             void *who) {                                                                              \
+            Asking asking;                                                                                             \
+            rtcInitIntersectContext(&asking.context);                                                                  \
+            asking.who = who;                                                                                          \
+            asking.context.filter = filter;                                                                            \
+            asking.context.flags =                                                                                     \
+                coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;                \
+            rtcOccluded##LANES(valid, scene, &asking.context, &rays);                                                  \
         }                                                                                                              \
     };
 #endif

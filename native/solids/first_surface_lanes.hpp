@@ -86,59 +86,39 @@ inline void add_lobes(const SurfaceView &view, Index material, Real to_eye, Surf
     surface.albedo = surface.albedo * left;
 }
 
-// Of what is in `met`, which has the numbers of all places.
-inline Surface first_surface(const SurfaceView &view, const RayScene &met, const text::CameraText<Real, Isa>::Ray &ray,
-                             Mask active) {
+// Where rays meet triangles: of each lane at most one.
+struct Met {
+    Real distance;
+    alignas(64) bool hit[LANES];
+    std::uint32_t place[LANES], triangle[LANES];
+    float u[LANES], v[LANES];
+};
+
+// All that shading reads of what is met.
+inline Surface surface_at(const SurfaceView &view, const Met &met, const text::CameraText<Real, Isa>::Ray &ray) {
     Surface surface;
-    surface.hit = Mask(false);
-    surface.distance = ray.reach;
-    if (met.scene == nullptr) {
-        return surface;
-    }
-    typename Rays<LANES>::RayHit rays;
-    // A surface in the far plane itself is seen: the boxes around it may round to either side of it.
-    set_rays(rays.ray, ray.origin, ray.direction, 0.0F, ray.reach * 1.000001F);
-    for (int lane = 0; lane < LANES; ++lane) {
-        rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-        rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    }
-    alignas(64) int valid[LANES];
-    valid_lanes(active, valid);
-    Rays<LANES>::intersect(valid, met.scene, !met.instanced, rays);
-
-    alignas(64) float hits[LANES];
-    bool any = false;
-    for (int lane = 0; lane < LANES; ++lane) {
-        const bool hit = valid[lane] != 0 && rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
-        hits[lane] = hit ? 1.0F : 0.0F;
-        any = any || hit;
-    }
-    if (!any) {
-        return surface;
-    }
-    surface.hit = Real::load_aligned(hits) > 0.0F;
-    surface.distance = pick(surface.hit, Real::load_aligned(rays.ray.tfar), ray.reach);
-
     // The lanes' places have arrays of their own, so these are read lane by lane.
-    alignas(64) float normals[3][LANES], faces[3][LANES], tangents[3][LANES], objects[LANES];
+    alignas(64) float hits[LANES], normals[3][LANES], faces[3][LANES], tangents[3][LANES], objects[LANES];
     alignas(64) std::int32_t materials[LANES];
     for (int lane = 0; lane < LANES; ++lane) {
-        const bool hit = hits[lane] != 0.0F;
-        const unsigned instance = rays.hit.instID[0][lane];
-        const unsigned place = instance != RTC_INVALID_GEOMETRY_ID ? instance : rays.hit.geomID[lane];
-        const Corners corners =
-            hit ? corners_of(view.places[place], rays.hit.primID[lane], rays.hit.u[lane], rays.hit.v[lane]) : Corners{};
+        const bool hit = met.hit[lane];
+        hits[lane] = hit ? 1.0F : 0.0F;
+        const PlaceView *const place = hit ? view.places + met.place[lane] : nullptr;
+        const Corners corners = hit ? corners_of(*place, met.triangle[lane], met.u[lane], met.v[lane]) : Corners{};
         for (int axis = 0; axis < 3; ++axis) {
             normals[axis][lane] = corners.normal[axis];
             faces[axis][lane] = corners.face[axis];
             tangents[axis][lane] = corners.tangent[axis];
         }
         materials[lane] = material_row::FLOATS * corners.material;
-        objects[lane] = hit ? view.places[place].object_index : 0.0F;
+        objects[lane] = hit ? place->object_index : 0.0F;
         if (!view.plain) {
-            surface.visibility[lane] = hit ? &view.places[place].visibility : nullptr;
+            surface.visibility[lane] = hit ? &place->visibility : nullptr;
         }
     }
+    surface.hit = Real::load_aligned(hits) > 0.0F;
+    surface.distance = pick(surface.hit, met.distance, ray.reach);
+
     const auto loaded = [](const float(&v)[3][LANES]) {
         return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
     };
@@ -180,6 +160,41 @@ inline Surface first_surface(const SurfaceView &view, const RayScene &met, const
         }
     }
     return surface;
+}
+
+// Of what is in `among`, which has the numbers of all places.
+inline Surface first_surface(const SurfaceView &view, const RayScene &among,
+                             const text::CameraText<Real, Isa>::Ray &ray, Mask active) {
+    Surface none;
+    none.hit = Mask(false);
+    none.distance = ray.reach;
+    if (among.scene == nullptr) {
+        return none;
+    }
+    typename Rays<LANES>::RayHit rays;
+    // A surface in the far plane itself is seen: the boxes around it may round to either side of it.
+    set_rays(rays.ray, ray.origin, ray.direction, 0.0F, ray.reach * 1.000001F);
+    for (int lane = 0; lane < LANES; ++lane) {
+        rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+        rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    alignas(64) int valid[LANES];
+    valid_lanes(active, valid);
+    Rays<LANES>::intersect(valid, among.scene, !among.instanced, rays);
+
+    Met met;
+    met.distance = Real::load_aligned(rays.ray.tfar);
+    bool any = false;
+    for (int lane = 0; lane < LANES; ++lane) {
+        met.hit[lane] = valid[lane] != 0 && rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
+        any = any || met.hit[lane];
+        const unsigned instance = rays.hit.instID[0][lane];
+        met.place[lane] = instance != RTC_INVALID_GEOMETRY_ID ? instance : rays.hit.geomID[lane];
+        met.triangle[lane] = rays.hit.primID[lane];
+        met.u[lane] = rays.hit.u[lane];
+        met.v[lane] = rays.hit.v[lane];
+    }
+    return any ? surface_at(view, met, ray) : none;
 }
 
 } // namespace

@@ -21,7 +21,7 @@ constexpr int FLOATS = GAIN + 3 * CURVE_POINTS;
 // Of a material: what is diffuse, its number for a compositor, and its layers of gloss from the top, of which only so
 // many are there.
 namespace material_row {
-enum { ALBEDO = 0, EMISSION = 3, AGAIN = 6, SPREADING = 9, ROUGHNESS, NUMBER, LOBES, FIRST_LOBE };
+enum { ALBEDO = 0, EMISSION = 3, AGAIN = 6, TRANSMITTANCE = 9, SPREADING = 12, ROUGHNESS, NUMBER, LOBES, FIRST_LOBE };
 constexpr int FLOATS = FIRST_LOBE + MAX_LOBES * lobe_row::FLOATS;
 } // namespace material_row
 
@@ -43,7 +43,8 @@ struct PlaceView {
 
 struct SurfaceView {
     RayScene all;                      // places
-    RayScene seen;                     // by the camera
+    RayScene seen;                     // by the camera, of what is opaque
+    RayScene sheets;                   // by the camera, of what lets light through
     RayScene catchers;                 // of shadows
     bool plain = true;                 // whether every place is shown, lit by all, and hides all
     const PlaceView *places = nullptr; // by Embree's number of the instance, or else of the geometry

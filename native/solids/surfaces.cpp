@@ -115,6 +115,7 @@ void append_rows(const Materials &materials, Solids &solids, std::vector<float> 
         put(row, ALBEDO, materials.albedo[i]);
         put(row, EMISSION, i < materials.emission.size() ? materials.emission[i] : glm::vec3(0.0F));
         put(row, AGAIN, again_of(diffuse, materials.albedo[i]));
+        put(row, TRANSMITTANCE, i < materials.transmittance.size() ? materials.transmittance[i] : glm::vec3(0.0F));
         row[SPREADING] = static_cast<float>(diffuse.spreading);
         row[ROUGHNESS] = diffuse.roughness;
         row[NUMBER] = i < materials.index.size() ? static_cast<float>(materials.index[i]) : 0.0F;
@@ -151,7 +152,7 @@ bool stands(const Instances &mesh) {
 
 } // namespace
 
-Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape) : shape_(std::move(shape)) {
+Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape, bool sheet) : shape_(std::move(shape)) {
     const std::vector<glm::vec3> *vertices = &shape_->vertices;
     if (vertices->capacity() == vertices->size()) {
         // Embree loads sixteen bytes for the last vertex, too.
@@ -171,6 +172,7 @@ Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape) : shape_(std:
     rtcSetGeometryBuildQuality(geometry, quality);
     rtcCommitGeometry(geometry);
     scene_.reset(rtcNewScene(device));
+    rtcSetSceneFlags(scene_.get(), sheet ? FILTERED : RTC_SCENE_FLAG_NONE);
     rtcSetSceneBuildQuality(scene_.get(), quality);
     rtcAttachGeometry(scene_.get(), geometry);
     rtcReleaseGeometry(geometry);
@@ -180,20 +182,26 @@ Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape) : shape_(std:
 
 Solids::Solids(int threads) : threads_(threads) {}
 
-std::shared_ptr<const Solid> Solids::solid(const std::shared_ptr<const Shape> &shape) {
-    return solids_.get(Key().part(shape), [&] { return Solid(device_.get(), shape); });
+std::shared_ptr<const Solid> Solids::solid(const std::shared_ptr<const Shape> &shape, bool sheet) {
+    return solids_.get(Key().part(shape).number(sheet), [&] { return Solid(device_.get(), shape, sheet); });
 }
 
-std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes, const std::vector<bool> &which) {
+std::shared_ptr<const Places> Solids::places(const Divided &all, const std::vector<bool> &which) {
     // Each that stands, with the number of its first place.
-    std::vector<std::pair<const Instances *, unsigned>> standing;
+    struct Standing {
+        const Instances *mesh;
+        bool sheet;
+        unsigned first;
+    };
+    std::vector<Standing> standing;
     unsigned number = 0;
-    for (std::size_t i = 0; i < meshes.size(); ++i) {
-        if (stands(meshes[i])) {
+    for (std::size_t i = 0; i < all.meshes().size(); ++i) {
+        const Instances &mesh = all.meshes()[i];
+        if (stands(mesh)) {
             if (which[i]) {
-                standing.emplace_back(&meshes[i], number);
+                standing.push_back({&mesh, all.sheet(i), number});
             }
-            number += static_cast<unsigned>(meshes[i].to_world.size());
+            number += static_cast<unsigned>(mesh.to_world.size());
         }
     }
     if (standing.empty()) {
@@ -203,18 +211,21 @@ std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes, 
         device_ = new_device(threads_);
     }
     Key key;
-    for (const auto &[mesh, first] : standing) {
-        key.part(mesh->shape).number(first);
+    bool sheets = false;
+    for (const auto &[mesh, sheet, first] : standing) {
+        key.part(mesh->shape).number(first).number(sheet);
         key.numbers(std::span(&mesh->to_world.front()[0].x, 16 * mesh->to_world.size()));
+        sheets = sheets || sheet;
         if (is_instanced(*mesh)) {
-            solid(mesh->shape); // asked for in this round too, though the places may be known
+            solid(mesh->shape, sheet); // asked for in this round too, though the places may be known
         }
     }
     return places_.get(key, [&] {
         Places places;
         places.scene.reset(rtcNewScene(device_.get()));
-        for (const auto &[mesh, first] : standing) {
-            attach(*mesh, places, first);
+        rtcSetSceneFlags(places.scene.get(), sheets ? FILTERED : RTC_SCENE_FLAG_NONE);
+        for (const auto &[mesh, sheet, first] : standing) {
+            attach(*mesh, sheet, places, first);
         }
         rtcCommitScene(places.scene.get());
         require_made(device_.get(), "the triangles");
@@ -222,10 +233,10 @@ std::shared_ptr<const Places> Solids::places(std::span<const Instances> meshes, 
     });
 }
 
-void Solids::attach(const Instances &mesh, Places &places, unsigned number) {
+void Solids::attach(const Instances &mesh, bool sheet, Places &places, unsigned number) {
     const bool instanced = is_instanced(mesh);
     places.instanced = places.instanced || instanced;
-    const std::shared_ptr<const Solid> what = instanced ? solid(mesh.shape) : nullptr;
+    const std::shared_ptr<const Solid> what = instanced ? solid(mesh.shape, sheet) : nullptr;
     places.kept.push_back(what ? std::shared_ptr<const void>(what) : mesh.shape);
     for (const glm::mat4 &to_world : mesh.to_world) {
         const RTCGeometry place =
@@ -254,31 +265,40 @@ void Solids::end_round() {
     curves_.end_round();
     places_.end_round();
     solids_.end_round();
+    parts_.end_round();
 }
 
-Surfaces::Surfaces(std::span<const Instances> meshes, std::span<const Light> lights, Solids &solids) {
+Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> lights, Solids &solids) {
+    const Divided divided(scene, solids.parts());
+    const std::span<const Instances> meshes = divided.meshes();
+    // is_met(visibility, sheet)
     const auto places = [&](auto &&is_met) {
         std::vector<bool> which;
-        for (const Instances &mesh : meshes) {
-            which.push_back(is_met(mesh.visibility));
+        for (std::size_t i = 0; i < meshes.size(); ++i) {
+            which.push_back(is_met(meshes[i].visibility, divided.sheet(i)));
         }
-        return solids.places(meshes, which);
+        const bool all = std::find(which.begin(), which.end(), false) == which.end();
+        return all && all_ ? all_ : solids.places(divided, which);
     };
     plain_ = std::all_of(meshes.begin(), meshes.end(),
                          [](const Instances &mesh) { return mesh.visibility == Visibility{}; });
     opaque_ = std::all_of(meshes.begin(), meshes.end(), [](const Instances &mesh) {
         return mesh.visibility.seen == Seen::SHOWN || mesh.visibility.seen == Seen::UNSEEN;
     });
-    all_ = places([](const Visibility &) { return true; });
-    seen_ = plain_ ? all_ : places([](const Visibility &v) { return v.seen != Seen::UNSEEN; });
+    all_ = places([](const Visibility &, bool) { return true; });
+    // What is not itself that is seen does not let through to the eye.
+    seen_ = places(
+        [](const Visibility &v, bool sheet) { return v.seen != Seen::UNSEEN && !(sheet && v.seen == Seen::SHOWN); });
+    sheets_ = places([](const Visibility &v, bool sheet) { return v.seen == Seen::SHOWN && sheet; });
     for (const Light &light : lights) {
-        if (light.reach.hidden_by != 0 && hiding_.count(light.reach.hidden_by) == 0) {
-            hiding_[light.reach.hidden_by] =
-                plain_ ? all_ : places([&](const Visibility &v) { return (v.hides & light.reach.hidden_by) != 0; });
+        const LightSets sets = light.reach.hidden_by;
+        if (sets != 0 && hiding_.count(sets) == 0) {
+            hiding_[sets] = places([&](const Visibility &v, bool sheet) { return (v.hides & sets) != 0 && !sheet; });
+            dimming_[sets] = places([&](const Visibility &v, bool sheet) { return (v.hides & sets) != 0 && sheet; });
         }
     }
     if (!plain_) {
-        catchers_ = places([](const Visibility &v) { return v.seen == Seen::CATCHER; });
+        catchers_ = places([](const Visibility &v, bool) { return v.seen == Seen::CATCHER; });
     }
     for (const Instances &mesh : meshes) {
         if (!stands(mesh)) {
@@ -300,12 +320,18 @@ RayScene view_of(const std::shared_ptr<const Places> &places) {
 }
 
 SurfaceView Surfaces::view() const {
-    return {view_of(all_), view_of(seen_), view_of(catchers_), plain_, views_.data(), properties_.data(), tangents_};
+    return {view_of(all_), view_of(seen_), view_of(sheets_),   view_of(catchers_),
+            plain_,        views_.data(),  properties_.data(), tangents_};
 }
 
 std::shared_ptr<const Places> Surfaces::hiding(const Light &light) const {
     const auto found = hiding_.find(light.reach.hidden_by);
     return found == hiding_.end() ? nullptr : found->second;
+}
+
+std::shared_ptr<const Places> Surfaces::dimming(const Light &light) const {
+    const auto found = dimming_.find(light.reach.hidden_by);
+    return found == dimming_.end() ? nullptr : found->second;
 }
 
 } // namespace sfumato

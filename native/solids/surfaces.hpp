@@ -5,6 +5,7 @@
 #include "lights/gloss_curves.hpp"
 #include "scene/kept.hpp"
 #include "solids/embree.hpp"
+#include "solids/sheets.hpp"
 #include "solids/surface_view.hpp"
 
 #include <map>
@@ -17,9 +18,8 @@
 
 namespace sfumato {
 
-struct Instances; // scene/scene.hpp
+struct Gloss; // scene/scene.hpp
 struct Light;
-struct Shape;
 
 // Embree's objects are counted by Embree.
 struct ReleaseEmbree {
@@ -29,10 +29,10 @@ struct ReleaseEmbree {
 using EmbreeDevice = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseEmbree>;
 using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseEmbree>;
 
-// A shape, ready to be met by rays in its own space.
+// A shape, ready to be met by rays in its own space; of a sheet, every hit may be asked for.
 class Solid {
 public:
-    Solid(RTCDevice device, std::shared_ptr<const Shape> shape);
+    Solid(RTCDevice device, std::shared_ptr<const Shape> shape, bool sheet);
     [[nodiscard]] RTCScene scene() const { return scene_.get(); }
     [[nodiscard]] const Shape &shape() const { return *shape_; }
 
@@ -55,19 +55,22 @@ class Solids {
 public:
     explicit Solids(int threads = 0); // of Embree's own work; 0: as many as there are
     // Of the meshes whose turn it is, under their numbers among all; null where these have no triangles.
-    std::shared_ptr<const Places> places(std::span<const Instances> meshes, const std::vector<bool> &which);
+    std::shared_ptr<const Places> places(const Divided &all, const std::vector<bool> &which);
     std::shared_ptr<const GlossCurves> curves(const Gloss &gloss);
+    // Of those of the scene's meshes that are opaque in part.
+    Kept<Shape> &parts() { return parts_; }
     void end_round();
     // Ever.
     [[nodiscard]] std::size_t made() const { return solids_.made(); }
     [[nodiscard]] std::size_t places_made() const { return places_.made(); }
 
 private:
-    std::shared_ptr<const Solid> solid(const std::shared_ptr<const Shape> &shape);
-    void attach(const Instances &mesh, Places &places, unsigned number);
+    std::shared_ptr<const Solid> solid(const std::shared_ptr<const Shape> &shape, bool sheet);
+    void attach(const Instances &mesh, bool sheet, Places &places, unsigned number);
 
     EmbreeDevice device_;
     int threads_;
+    Kept<Shape> parts_;
     Kept<Solid> solids_;
     Kept<Places> places_;
     Kept<GlossCurves> curves_;
@@ -76,20 +79,22 @@ private:
 RayScene view_of(const std::shared_ptr<const Places> &places);
 
 // All meshes of a scene, and which of them rays meet: those of the camera, and those that ask what hides a light. Where
-// nothing is left out these are one.
+// nothing is left out these are one. What lets light through stands apart.
 class Surfaces {
 public:
     Surfaces(std::span<const Instances> meshes, std::span<const Light> lights, Solids &solids);
 
     [[nodiscard]] SurfaceView view() const;
-    // Whether none that the camera sees is a holdout or a catcher.
+    // Whether none that the camera sees is a holdout or a catcher; whether it sees any sheet.
     [[nodiscard]] bool opaque() const { return opaque_; }
-    // What hides a light from others; null where nothing does.
+    [[nodiscard]] bool sheets() const { return sheets_ != nullptr; }
+    // What hides a light from others, and what dims it; null where nothing does.
     [[nodiscard]] std::shared_ptr<const Places> hiding(const Light &light) const;
+    [[nodiscard]] std::shared_ptr<const Places> dimming(const Light &light) const;
 
 private:
-    std::shared_ptr<const Places> all_, seen_, catchers_;
-    std::map<LightSets, std::shared_ptr<const Places>> hiding_; // by Reach::hidden_by
+    std::shared_ptr<const Places> all_, seen_, sheets_, catchers_;
+    std::map<LightSets, std::shared_ptr<const Places>> hiding_, dimming_; // by Reach::hidden_by
     bool plain_ = true, opaque_ = true;
     std::vector<PlaceView> views_;  // of each place
     std::vector<float> properties_; // of materials

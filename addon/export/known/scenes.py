@@ -205,6 +205,7 @@ VIEW_LAYER = Struct(
         "the passes Combined, Depth, Mist, Position, Normal, Object and Material Index, and Shadow": "use_pass_combined "
         "use_pass_z use_pass_mist use_pass_position use_pass_normal use_pass_object_index use_pass_material_index "
         "use_pass_shadow",
+        "the alpha from which on passes tell of a surface": "pass_alpha_threshold",
     },
     named=(
         Named("aovs", (0,), "these passes are not made, and stay out of the file: the AOV '…'", only=RENDER,
@@ -217,7 +218,7 @@ VIEW_LAYER = Struct(
         _SAMPLING: "samples",
         _EEVEE: "eevee use_ao",
         _FREESTYLE: "use_freestyle freestyle_settings",
-        "details of passes, which are named": "pass_alpha_threshold pass_cryptomatte_depth use_pass_cryptomatte_accurate",
+        "details of passes, which are named": "pass_cryptomatte_depth use_pass_cryptomatte_accurate",
         "hair, which objects name": "use_strand",
         _MOTION: "use_motion_blur",
         "grease pencil, which Blender draws": "use_grease_pencil use_pass_grease_pencil",

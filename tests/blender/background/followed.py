@@ -79,6 +79,7 @@ TRIED_IN = {
     "ObjectLightLinking.blocker_collection Light.use_shadow PointLight.use_shadow SpotLight.use_shadow SunLight.use_shadow "
     "AreaLight.use_shadow CyclesLightSettings.cast_shadow ViewLayer.material_override ViewLayer.world_override "
     "ViewLayer.use_solid ViewLayer.use_volumes ViewLayer.use_sky LayerCollection.holdout LayerCollection.indirect_only",
+    "transparent.py": "ViewLayer.pass_alpha_threshold",
     "pixel_filter.py": "CyclesRenderSettings.pixel_filter_type CyclesRenderSettings.filter_width",
     "several_views.py": "RenderSettings.use_multiview RenderSettings.views RenderSettings.stereo_views "
     "RenderSettings.views_format Camera.stereo",

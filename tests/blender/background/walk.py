@@ -107,12 +107,21 @@ def clipped(stage: Stage) -> str:
     return "Smoke"
 
 
+def without_transparent_shadow(stage: Stage) -> str:
+    stage.floor_shader.inputs["Alpha"].default_value = 0.5
+    material = stage.floor.data.materials[0]
+    (material if hasattr(material, "use_transparent_shadow") else material.cycles).use_transparent_shadow = False
+    return "Floor"
+
+
 # What takes more than one property to be said, and how it comes about.
 TOGETHER: dict[tuple[str, str], Callable[[Stage], str]] = {
     ("Object", "particle_systems"): hair,
     ("Object", "is_shadow_catcher"): catching,
     ("CyclesObjectSettings", "use_adaptive_subdivision"): adaptive,
     ("VolumeRender", "clipping"): clipped,
+    ("Material", "use_transparent_shadow"): without_transparent_shadow,
+    ("CyclesMaterialSettings", "use_transparent_shadow"): without_transparent_shadow,
 }
 
 

@@ -1,0 +1,470 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The light that a packet of surfaces sends to the eye, past solids and smoke.
+#pragma once
+
+#include "frame/layers.hpp"
+#include "lights/lights_lanes.hpp"
+#include "lights/shading.hpp"
+#include "maps/sampling.hpp"
+#include "solids/all_hits_lanes.hpp"
+#include "solids/first_surface_lanes.hpp"
+#include "solids/hits_lanes.hpp"
+#include "text/camera_text.hpp"
+#include "text/microfacets_text.hpp"
+#include "text/rays_text.hpp"
+#include "text/surfaces_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+using CameraText = text::CameraText<Real, Isa>;
+using SurfacesText = text::SurfacesText<Real, Isa>;
+using Ray = CameraText::Ray;
+
+inline Ray ray_through(const FrameView &frame, Real u, Real v) {
+    const auto &c = frame.camera;
+    return CameraText().camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
+                                   broadcast(c[5]), u, v);
+}
+
+// Whether nothing solid stands on the first `distance` metres from `point`.
+inline Real visibility(const RayScene &solids, const vec3 &point, const Towards &towards, Mask asked) {
+    if (solids.scene == nullptr || !xsimd::any(asked)) {
+        return 1.0F;
+    }
+    typename Rays<LANES>::Ray rays;
+    set_rays(rays, point, towards.direction, 0.0F, towards.distance);
+    alignas(64) int valid[LANES];
+    valid_lanes(asked, valid);
+    Rays<LANES>::occluded(valid, solids.scene, !solids.instanced, rays);
+    return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
+}
+
+// What sheets let through of the light that comes to `point`, in each colour; all where none is asked.
+inline vec3 past_sheets(const SurfaceView &surfaces, const RayScene &sheets, const vec3 &point, const Towards &towards,
+                        Mask asked) {
+    std::vector<Hit> hits;
+    all_hits(surfaces.places, sheets, point, towards.direction, towards.distance, asked, hits);
+    alignas(64) float left[3][LANES];
+    std::fill_n(&left[0][0], 3 * LANES, 1.0F);
+    for (const Hit &hit : hits) {
+        const float *const through = transmittance_of(surfaces, hit);
+        for (int c = 0; c < 3; ++c) {
+            left[c][hit.lane] *= through[c];
+        }
+    }
+    return {Real::load_aligned(left[0]), Real::load_aligned(left[1]), Real::load_aligned(left[2])};
+}
+
+// What the smoke lets through from a light to a point: the mean over the light's samples, by what each brings.
+inline void smoke_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, Real out[3]) {
+    const int colours = frame.grey ? 1 : 3;
+    const std::size_t media = frame.media.size();
+    constexpr float NOTHING = 1e-12F; // what none of them shines at has a plain mean
+    Real sum[3] = {0.0F, 0.0F, 0.0F}, all = 0.0F;
+    for (std::size_t j = 0; j < light.samples.size(); ++j) {
+        const Real share = sample_share(light, light.samples[j], point) + NOTHING;
+        all = all + share;
+        Real depth[3] = {0.0F, 0.0F, 0.0F};
+        for (std::size_t m = 0; m < media; ++m) {
+            const LightMapView &map = light.maps[j * media + m];
+            if (map.empty()) {
+                continue;
+            }
+            const vec3 place = place_on(map, point);
+            add_optical_depth(map, locate(map, place.x, place.y), place, frame.media[m].extinction, colours, depth);
+        }
+        for (int c = 0; c < colours; ++c) {
+            sum[c] = sum[c] + share * RaysText().transmittance_of(depth[c]);
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        out[c] = sum[c < colours ? c : 0] / all;
+    }
+}
+
+// The light that a packet's surfaces send to the eye, with the shadow of the smoke and without.
+struct Reflected {
+    Real shadowed[3], open[3];
+    Real unshadowed; // without shadows of solids either, the mean of the colours; of shadows, the irradiance
+    Real lit[3];     // the same of each colour, without what glows
+    Real alone[3];   // where a catcher is met: in the shadows of catchers alone
+};
+
+inline Real component(const vec3 &v, int axis) {
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+inline void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
+    v.x.store_aligned(to[0]);
+    v.y.store_aligned(to[1]);
+    v.z.store_aligned(to[2]);
+}
+
+inline vec3 load(const float (&from)[3][MAX_LANES]) {
+    return {Real::load_aligned(from[0]), Real::load_aligned(from[1]), Real::load_aligned(from[2])};
+}
+
+inline void pack(const Surface &surface, const vec3 &point, const vec3 &direction, ShadingPacket &packet) {
+    store(point, packet.point);
+    store(surface.normal, packet.normal);
+    store(direction, packet.direction);
+    const Plane plane = surface.lobes > 0 ? surface.tangents : plane_across(surface.normal);
+    store(plane.x, packet.tangent);
+    store(plane.y, packet.bitangent);
+}
+
+inline void pack_lobe(const Lobe &lobe, const Plane &tangents, ShadingPacket &packet) {
+    lobe.alpha_x.store_aligned(packet.alpha_x);
+    lobe.alpha_y.store_aligned(packet.alpha_y);
+    lobe.apart.store_aligned(packet.apart);
+    lobe.index.store_aligned(packet.index);
+    const vec3 tangent = tangents.x * lobe.cosine + tangents.y * lobe.sine;
+    store(tangent, packet.tangent);
+    store(tangents.y * lobe.cosine - tangents.x * lobe.sine, packet.bitangent);
+}
+
+// What a layer of gloss makes of a light, past solids too; `dip` for Fresnel's share of its dip.
+struct Mirrored {
+    Real plain, fresnel, dip, visible;
+};
+
+// Facets are of one kind in all lanes of a packet, and hardly ever of both in one.
+template <typename Body>
+inline void for_both_facets(const Surface &surface, const Lobe &lobe, ShadingPacket &packet, const Body &body) {
+    for (const bool beckmann : {false, true}) {
+        const Mask these = beckmann ? lobe.beckmann : !lobe.beckmann;
+        if (xsimd::any(these & surface.hit & (lobe.alpha_x > 0.0F))) {
+            packet.beckmann = beckmann;
+            body(these);
+        }
+    }
+}
+
+inline Mirrored mirrored(const LightView &light, const Surface &surface, const Lobe &lobe, ShadingPacket &packet) {
+    Mirrored out{0.0F, 0.0F, 0.0F, 0.0F};
+    pack_lobe(lobe, surface.tangents, packet);
+    for_both_facets(surface, lobe, packet, [&](Mask these) {
+        shade_gloss(light, packet);
+        out.plain = pick(these, Real::load_aligned(packet.plain), out.plain);
+        out.fresnel = pick(these, Real::load_aligned(packet.fresnel), out.fresnel);
+    });
+    if (xsimd::any(max(max(lobe.dip.x, lobe.dip.y), lobe.dip.z) > 0.0F)) {
+        packet.beckmann = false;
+        Real(DIP_BEFORE_EDGE).store_aligned(packet.index);
+        shade_gloss(light, packet);
+        out.dip = Real::load_aligned(packet.fresnel);
+    }
+    return out;
+}
+
+// What may stand between a surface and a light. Without sheets no colour is asked for.
+struct Between {
+    const SurfaceView *surfaces;
+    RayScene solids, sheets;
+
+    [[nodiscard]] bool tinted() const { return sheets.scene != nullptr; }
+};
+
+// The share of a light that gets past solids, and, where there are sheets, what these leave of that.
+struct Passing {
+    Real visible;
+    vec3 tint;
+};
+
+// The share of a light that reaches a surface: past solids and sheets, asked for one point of the light. What the
+// surface's shading normal does not see of the light is not in its shading, and counts as visible.
+inline Passing passing(const Between &between, const Surface &surface, const vec3 &start, const Towards &towards,
+                       Mask wanted) {
+    const Mask above = wanted & (dot(surface.normal, towards.direction) > 0.0F);
+    const Mask asked = above & (dot(surface.geometric_normal, towards.direction) > 0.0F);
+    const Real visible = pick(asked, visibility(between.solids, start, towards, asked), pick(above, 0.0F, 1.0F));
+    Passing out;
+    out.visible = visible;
+    if (between.tinted()) {
+        out.tint = past_sheets(*between.surfaces, between.sheets, start, towards, asked & (visible > 0.0F));
+    }
+    return out;
+}
+
+// Where another ray meets the plane of a surface; where that is far away, as it is on one seen edge-on, `start`, a
+// point on it.
+inline vec3 beside(const Surface &surface, const vec3 &start, const Ray &other) {
+    const vec3 &normal = surface.geometric_normal;
+    const Real facing = min(dot(other.direction, normal), -1e-6F);
+    const Real distance = dot(start - other.origin, normal) / facing;
+    const Mask near = abs(distance - surface.distance) < 0.1F * surface.distance;
+    return pick(near, other.origin + other.direction * distance, start);
+}
+
+// The share of a light that solids leave a surface, for what it reflects diffusely and for each of its layers of gloss;
+// and of that, what sheets leave, where there are any.
+struct PastSolids {
+    Passing diffuse, gloss[MAX_LOBES];
+};
+
+// What one sample of a light is worth to a surface, or one of its layers of gloss, and whether it is visible.
+struct Sampled {
+    Real worth;
+    Passing passing;
+};
+
+// Sums of what passes, by what each is worth.
+inline void add_passing(const Between &between, Real worth, const Passing &passing, Passing &sum) {
+    const Real seen = worth * passing.visible;
+    sum.visible = sum.visible + seen;
+    if (between.tinted()) {
+        sum.tint = sum.tint + passing.tint * seen;
+    }
+}
+
+inline void divide(const Between &between, Real worth, Passing &sum) {
+    if (between.tinted()) {
+        sum.tint = sum.tint * (1.0F / max(sum.visible, 1e-30F));
+    }
+    sum.visible = sum.visible / worth;
+}
+
+// Of a layer of gloss, which may look elsewhere on the light than what is diffuse, `dull`.
+inline Sampled sampled(const Between &between, const Surface &surface, const Lobe &lobe, const LightView &light,
+                       const vec3 &from, Real u, Real v, const Towards &towards, const Passing &dull,
+                       ShadingPacket &shading) {
+    Sampled out{0.0F, dull};
+    pack_lobe(lobe, surface.tangents, shading);
+    store(from, shading.from);
+    u.store_aligned(shading.light_u);
+    v.store_aligned(shading.light_v);
+    for_both_facets(surface, lobe, shading, [&](Mask these) {
+        store(towards.direction, shading.towards);
+        towards.distance.store_aligned(shading.reach);
+        towards.irradiance.store_aligned(shading.irradiance);
+        look(light, shading);
+        const Towards seen{load(shading.towards), Real::load_aligned(shading.reach), 0.0F};
+        const Mask moved = these & surface.hit & (Real::load_aligned(shading.moved) > 0.0F);
+        out.worth = pick(these, Real::load_aligned(shading.worth), out.worth);
+        const Passing there = passing(between, surface, from, seen, moved);
+        out.passing.visible = pick(moved, there.visible, out.passing.visible);
+        if (between.tinted()) {
+            out.passing.tint = pick(moved, there.tint, out.passing.tint);
+        }
+    });
+    return out;
+}
+
+// Of the sample that the ray stands for; or a mean over the packet's shadow samples, each by what the surface would
+// make of it: with that the closed forms count as a control (Heitz, Hill and McGuire, "Combining analytic direct
+// illumination and stochastic shadows", 2018), and of what hides a part of a light a mirror knows only the part that it
+// shows.
+inline PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface, int lobes,
+                                    const Between &between, const LightView &light, const vec3 &start,
+                                    ShadingPacket &shading) {
+    PastSolids sum{};
+    Real all = 0.0F, all_gloss[MAX_LOBES]{};
+    const auto add = [&](const vec3 &from, Real u, Real v) {
+        constexpr float NOTHING = 1e-20F; // what the surface makes nothing of is a plain mean
+        const Towards towards = sample_towards(light, from, u, v);
+        const Passing seen = passing(between, surface, from, towards, surface.hit);
+        const Real diffuse = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance + NOTHING;
+        all = all + diffuse;
+        add_passing(between, diffuse, seen, sum.diffuse);
+        for (int k = 0; k < lobes; ++k) {
+            const Sampled gloss = sampled(between, surface, surface.lobe[k], light, from, u, v, towards, seen, shading);
+            all_gloss[k] = all_gloss[k] + gloss.worth + NOTHING;
+            add_passing(between, gloss.worth + NOTHING, gloss.passing, sum.gloss[k]);
+        }
+    };
+    for (const ShadowSample &sample : packet.shadows) {
+        const Real u = Real::load_aligned(sample.u), v = Real::load_aligned(sample.v);
+        add(beside(surface, start, ray_through(frame, u, v)), Real::load_aligned(sample.light_u),
+            Real::load_aligned(sample.light_v));
+    }
+    if (packet.shadows.empty()) {
+        add(start, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v));
+    }
+    divide(between, all, sum.diffuse);
+    for (int k = 0; k < lobes; ++k) {
+        divide(between, all_gloss[k], sum.gloss[k]);
+    }
+    return sum;
+}
+
+inline bool any_spreads(const Surface &surface, Spreading from) {
+    return xsimd::any(surface.hit & (surface.spreading >= static_cast<float>(from)));
+}
+
+// What grooves send of light from a direction, over Lambert's.
+inline vec3 grooves(const Surface &surface, const vec3 &towards, const vec3 &to_eye) {
+    const Real light = dot(surface.normal, towards), eye = dot(surface.normal, to_eye), rough = surface.roughness;
+    const Real lost =
+        (1.0F - SurfacesText().grooves_albedo(light, rough)) * (1.0F - SurfacesText().grooves_albedo(eye, rough));
+    const Real once = SurfacesText().grooves(light, eye, dot(towards, to_eye), rough);
+    return {surface.again.x * lost + once, surface.again.y * lost + once, surface.again.z * lost + once};
+}
+
+// What a diffuse surface sends to the eye of a light, over Lambert's: Burley's of light from the middle of it, for all
+// of it; grooves' as the mean over points of the light, by what each brings, since they send most of it back.
+inline vec3 over_lamberts(const Surface &surface, const LightView &light, const vec3 &point, const vec3 &to_eye) {
+    vec3 out{1.0F, 1.0F, 1.0F};
+    if (!any_spreads(surface, Spreading::BURLEY)) {
+        return out;
+    }
+    const vec3 middle = light.parallel() ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+    const Real rim = SurfacesText().diffuse_rim(dot(surface.normal, middle), dot(surface.normal, to_eye),
+                                                dot(to_eye, middle), surface.roughness);
+    const Mask burley = surface.spreading == static_cast<float>(Spreading::BURLEY);
+    const Real one = pick(burley, rim, 1.0F);
+    out = {one, one, one};
+    if (!any_spreads(surface, Spreading::GROOVES)) {
+        return out;
+    }
+    constexpr int SIDE = 4; // of a lattice whose rows are shifted
+    vec3 sum{0.0F, 0.0F, 0.0F};
+    Real weights = 1e-30F;
+    for (int k = 0; k < SIDE * SIDE; ++k) {
+        const Real u = (static_cast<float>(k) + 0.5F) / (SIDE * SIDE), v = (static_cast<float>(k % SIDE) + 0.5F) / SIDE;
+        const Towards towards = sample_towards(light, point, u, v);
+        const Real weight = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance;
+        weights = weights + weight;
+        sum = sum + grooves(surface, towards.direction, to_eye) * weight;
+    }
+    const Mask grooved = surface.spreading > static_cast<float>(Spreading::BURLEY);
+    const Real by = 1.0F / weights;
+    return {pick(grooved, sum.x * by, out.x), pick(grooved, sum.y * by, out.y), pick(grooved, sum.z * by, out.z)};
+}
+
+// Of a light of strength 1, in a colour.
+inline Real reflected_by(const Lobe &lobe, const Mirrored &gloss, int colour) {
+    const Real straight_on = component(lobe.reflectance, colour);
+    const Real edge = lobe.edge * (1.0F - straight_on);
+    const Real sent = straight_on * gloss.plain + edge * gloss.fresnel - component(lobe.dip, colour) * gloss.dip;
+    return sent * component(lobe.gain, colour);
+}
+
+inline Mask catchers(const Surface &surface) {
+    return where(surface, [](const Visibility &v) { return v.seen == Seen::CATCHER; });
+}
+
+// Of the lanes that meet a surface, those that a light is to light.
+inline Mask reached_by(const SurfaceView &surfaces, const LightView &light, const Surface &surface) {
+    return surfaces.plain ? surface.hit
+                          : where(surface, [&](const Visibility &v) { return (v.lit_by & light.reach.lights) != 0; });
+}
+
+inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
+                           const Surface &surface) {
+    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    const bool radiance = wanted.has(Layer::RADIANCE);
+    const bool catches = radiance && !frame.surfaces.plain && xsimd::any(catchers(surface));
+    if (radiance) {
+        const Real emissions[3] = {surface.emission.x, surface.emission.y, surface.emission.z};
+        for (int c = 0; c < 3; ++c) {
+            out.open[c] = out.shadowed[c] = emissions[c];
+            out.unshadowed = out.unshadowed + emissions[c] * (1.0F / 3.0F);
+        }
+    }
+    const vec3 point = ray.origin + ray.direction * surface.distance;
+    // Off the surface by a few rounding errors of the coordinates, for shadow rays, and for light from the surface
+    // itself if that glows: whether it is seen from before or from behind must not hang on the last digit.
+    const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
+    const vec3 start = point + surface.geometric_normal * offset;
+    // A share in shadow is one of what comes, not of what is reflected.
+    const int lobes = radiance ? surface.lobes : 0;
+    ShadingPacket packed;
+    pack(surface, start, ray.direction, packed);
+    Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
+    for (const LightView &light : frame.lights) {
+        shade_diffuse(light, packed);
+        const Mask reached = reached_by(frame.surfaces, light, surface);
+        const Real diffuse = light.reach.diffuse ? pick(reached, Real::load_aligned(packed.diffuse), 0.0F) : Real(0.0F);
+        Mirrored gloss[MAX_LOBES];
+        Mask lit = diffuse > 0.0F;
+        const int mirrors = light.reach.gloss ? lobes : 0;
+        for (int k = 0; k < mirrors; ++k) {
+            gloss[k] = mirrored(light, surface, surface.lobe[k], packed);
+            lit = lit | (gloss[k].plain > 0.0F);
+        }
+        lit = lit & reached;
+        const bool any_lit = xsimd::any(lit);
+        if (radiance && !any_lit) {
+            continue;
+        }
+        if (!radiance) {
+            // From the light's middle: a share's denominator must not depend on where this sample fell.
+            const Real whole = sample_towards(light, start, 0.5F, 0.5F).irradiance;
+            const Real irradiance = light.reach.diffuse ? pick(reached, whole, 0.0F) : Real(0.0F);
+            for (int c = 0; c < 3; ++c) {
+                facing[c] = facing[c] + irradiance * light.strength[c];
+            }
+        }
+        if (!any_lit) {
+            continue;
+        }
+        const Between between{&frame.surfaces, light.solids, light.sheets};
+        const PastSolids past = light_past_solids(frame, packet, surface, mirrors, between, light, start, packed);
+        const Real visible = pick(lit, past.diffuse.visible, 0.0F);
+        for (int k = 0; k < mirrors; ++k) {
+            gloss[k].visible = pick(lit, past.gloss[k].visible, 0.0F);
+        }
+        PastSolids alone{};
+        if (catches && light.reach.plate) {
+            const Between catchers{&frame.surfaces, frame.surfaces.catchers, {}};
+            alone = light_past_solids(frame, packet, surface, mirrors, catchers, light, start, packed);
+        }
+        const bool tinted = between.tinted();
+        const auto left = [&](Real seen, const Passing &passed, int colour) {
+            return tinted ? seen * component(passed.tint, colour) : seen;
+        };
+        Real through[3];
+        smoke_transmittance(frame, light, point, through);
+        const vec3 spread = radiance ? over_lamberts(surface, light, start, -ray.direction) : vec3(0.0F, 0.0F, 0.0F);
+        for (int c = 0; c < 3; ++c) {
+            if (radiance) {
+                const Real dull = component(surface.albedo, c) * diffuse * component(spread, c) * light.strength[c];
+                Real sent = dull * left(visible, past.diffuse, c), all = dull;
+                Real kept = dull * alone.diffuse.visible;
+                for (int k = 0; k < mirrors; ++k) {
+                    const Real shine =
+                        pick(reached, reflected_by(surface.lobe[k], gloss[k], c), 0.0F) * light.strength[c];
+                    sent = sent + shine * left(gloss[k].visible, past.gloss[k], c);
+                    all = all + shine;
+                    kept = kept + shine * alone.gloss[k].visible;
+                }
+                out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
+                out.lit[c] = out.lit[c] + all;
+                out.open[c] = out.open[c] + sent;
+                out.shadowed[c] = out.shadowed[c] + sent * through[c];
+                if (catches && light.reach.plate) {
+                    out.alone[c] = out.alone[c] + pick(lit, kept, 0.0F);
+                }
+                continue;
+            }
+            // The share of light that is missing, of all that would be there if the surface faced every light.
+            const Real all = diffuse * (3.14159265F * light.strength[c]);
+            out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
+            const Real solid = all * left(visible, past.diffuse, c);
+            out.shadowed[c] = out.shadowed[c] + ((wanted.has(Layer::ALL_SHADOWS) ? all : solid) - solid * through[c]);
+        }
+    }
+    if (!radiance) {
+        for (int c = 0; c < 3; ++c) {
+            out.shadowed[c] = min(out.shadowed[c] / facing[c], 1.0F);
+        }
+    }
+    return out;
+}
+
+// Of an artist's mist, with what is not a surface at its end.
+inline Real mist_at(const Mist &mist, const vec3 &point, Mask hit) {
+    const vec3 away = point - broadcast(mist.eye), axis = broadcast(mist.axis);
+    const bool parallel = mist.axis != glm::vec3(0.0F);
+    const Real distance = parallel ? dot(away, axis) : sqrt(dot(away, away));
+    const Real share = clamp((distance - mist.start) * (1.0F / mist.depth), 0.0F, 1.0F);
+    return pick(hit, xsimd::pow(share, Real(mist.power)), 1.0F);
+}
+
+} // namespace
+} // namespace sfumato::SFUMATO_ISA

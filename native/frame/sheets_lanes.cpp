@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The stage of the sheets: what lets light through before the first opaque surface of each ray, as fragments.
+#include "frame/reflected_lanes.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+constexpr float OPAQUE_LEFT = 1e-5F; // of what such a share is left, nothing is seen
+
+// The hits of all lanes in order of depth: the first of each, then the second.
+class Ranks {
+public:
+    explicit Ranks(const std::vector<Hit> &hits) : hits_(hits) {
+        std::fill_n(next_, LANES, std::size_t{0});
+        std::fill_n(end_, LANES, std::size_t{0});
+        for (std::size_t i = 0; i < hits.size(); ++i) {
+            const auto lane = static_cast<std::size_t>(hits[i].lane);
+            next_[lane] = end_[lane] == 0 ? i : next_[lane];
+            end_[lane] = i + 1;
+        }
+    }
+
+    // The next of each of the lanes that are still looking; false where none has any.
+    bool next(Mask looking, Met &met) {
+        alignas(64) float asked[LANES], distances[LANES];
+        pick(looking, 1.0F, 0.0F).store_aligned(asked);
+        bool any = false;
+        for (std::size_t lane = 0; lane < LANES; ++lane) {
+            met.hit[lane] = asked[lane] > 0.0F && next_[lane] < end_[lane];
+            distances[lane] = 0.0F;
+            if (!met.hit[lane]) {
+                continue;
+            }
+            any = true;
+            const Hit &hit = hits_[next_[lane]++];
+            distances[lane] = hit.distance;
+            met.place[lane] = hit.place;
+            met.triangle[lane] = hit.triangle;
+            met.u[lane] = hit.u;
+            met.v[lane] = hit.v;
+        }
+        met.distance = Real::load_aligned(distances);
+        return any;
+    }
+
+private:
+    const std::vector<Hit> &hits_;
+    std::size_t next_[LANES], end_[LANES];
+};
+
+Real mean(const Real (&rgb)[3]) {
+    return (rgb[0] + rgb[1] + rgb[2]) * (1.0F / 3.0F);
+}
+
+void keep(Mask where, const vec3 &value, float (&to)[3][MAX_LANES]) {
+    store(pick(where, value, load(to)), to);
+}
+
+void keep(Mask where, Real value, float *to) {
+    pick(where, value, Real::load_aligned(to)).store_aligned(to);
+}
+
+// Lays what sheets send over what is behind them, sheet by sheet.
+class Over {
+public:
+    explicit Over(Layers &layers) : layers_(layers) {
+        for (Real &share : left_) {
+            share = 1.0F;
+        }
+    }
+
+    // Of the lanes that meet a sheet, what it sends; `through` is what it leaves.
+    void add(const FrameView &frame, LayerSet wanted, const Ray &ray, const Surface &sheet, const Reflected &light,
+             const Real (&through)[3]) {
+        const Real before = mean(left_), alpha = 1.0F - mean(through);
+        open_ = open_ + pick(sheet.hit, before * mean(light.open), 0.0F);
+        unshadowed_ = unshadowed_ + pick(sheet.hit, before * light.unshadowed, 0.0F);
+        if (layers_.passes != nullptr) {
+            add_passes(frame, wanted, ray, sheet, light, alpha);
+        }
+        for (int c = 0; c < 3; ++c) {
+            left_[c] = pick(sheet.hit, left_[c] * through[c], left_[c]);
+        }
+    }
+
+    // The lanes in which there is still something to see.
+    [[nodiscard]] Mask looking() const { return max(max(left_[0], left_[1]), left_[2]) > OPAQUE_LEFT; }
+
+    void finish(LayerSet wanted) {
+        const Real left = mean(left_);
+        over(open_, left, layers_.open);
+        over(unshadowed_, left, layers_.unshadowed);
+        if (layers_.passes == nullptr) {
+            return;
+        }
+        PassLayers &passes = *layers_.passes;
+        for (int c = 0; c < 3; ++c) {
+            over(lights_[c].open, left_[c], passes.open[c]);
+            over(lights_[c].past_smoke, left_[c], passes.past_smoke[c]);
+            over(lights_[c].shadowed, left_[c], passes.shadowed[c]);
+            over(lights_[c].unshadowed, left_[c], passes.unshadowed[c]);
+        }
+        if (wanted.has(Layer::MIST)) {
+            over(mist_, left, passes.mist);
+        }
+    }
+
+private:
+    struct Light {
+        Real open = 0.0F, past_smoke = 0.0F, shadowed = 0.0F, unshadowed = 0.0F;
+    };
+
+    static void over(Real sum, Real left, float *values) {
+        (sum + left * Real::load_aligned(values)).store_aligned(values);
+    }
+
+    // What a compositor is told of one surface is of the first that is opaque enough.
+    void add_passes(const FrameView &frame, LayerSet wanted, const Ray &ray, const Surface &sheet,
+                    const Reflected &light, Real alpha) {
+        const vec3 point = ray.origin + ray.direction * sheet.distance;
+        const vec3 glow = sheet.emission;
+        for (int c = 0; c < 3; ++c) {
+            const auto sum = [&](Real &to, Real value) { to = to + pick(sheet.hit, left_[c] * value, 0.0F); };
+            sum(lights_[c].open, light.open[c]);
+            sum(lights_[c].past_smoke, light.shadowed[c]);
+            sum(lights_[c].shadowed, light.shadowed[c] - component(glow, c));
+            sum(lights_[c].unshadowed, light.lit[c]);
+        }
+        if (wanted.has(Layer::MIST)) {
+            mist_ = mist_ + pick(sheet.hit, mean(left_) * alpha * mist_at(frame.mist, point, sheet.hit), 0.0F);
+        }
+        const Mask first = sheet.hit & (told_ < 0.5F) & (alpha >= frame.least_alpha);
+        told_ = pick(first, 1.0F, told_);
+        if (!xsimd::any(first)) {
+            return;
+        }
+        PassLayers &passes = *layers_.passes;
+        keep(first, Real(1.0F), layers_.hit);
+        if (wanted.has(Layer::POSITION)) {
+            keep(first, point, passes.position);
+        }
+        if (wanted.has(Layer::NORMAL)) {
+            keep(first, sheet.normal, passes.normal);
+        }
+        if (wanted.has(Layer::OBJECT_INDEX)) {
+            keep(first, sheet.object_index, passes.object_index);
+        }
+        if (wanted.has(Layer::MATERIAL_INDEX)) {
+            keep(first, gather(frame.surfaces.properties + material_row::NUMBER, sheet.material),
+                 passes.material_index);
+        }
+    }
+
+    Layers &layers_;
+    Real left_[3];
+    Real open_ = 0.0F, unshadowed_ = 0.0F, mist_ = 0.0F, told_ = 0.0F;
+    Light lights_[3];
+};
+
+} // namespace
+
+void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &layers) {
+    const Mask active = Real::load_aligned(packet.active) > 0.0F;
+    const Ray ray = ray_through(frame, Real::load_aligned(packet.u), Real::load_aligned(packet.v));
+    for (int c = 0; c < 3 && !wanted.has(Layer::SMOKE); ++c) { // no march does
+        Real(0.0F).store_aligned(layers.smoke[c]);
+        Real(1.0F).store_aligned(layers.through[c]);
+    }
+    std::vector<Hit> hits;
+    all_hits(frame.surfaces.places, frame.surfaces.sheets, ray.origin, ray.direction,
+             Real::load_aligned(layers.distance), active, hits);
+    if (hits.empty()) {
+        return;
+    }
+    Ranks ranks(hits);
+    Over over(layers);
+    Met met;
+    while (ranks.next(over.looking(), met)) {
+        const Surface sheet = surface_at(frame.surfaces, met, ray);
+        const Reflected light = reflected(frame, wanted, packet, ray, sheet);
+        Real through[3];
+        alignas(64) float sent[3][LANES], left[3][LANES];
+        for (int c = 0; c < 3; ++c) {
+            through[c] = gather(frame.surfaces.properties + material_row::TRANSMITTANCE + c, sheet.material);
+            light.shadowed[c].store_aligned(sent[c]);
+            through[c].store_aligned(left[c]);
+        }
+        alignas(64) float distances[LANES];
+        met.distance.store_aligned(distances);
+        for (std::size_t lane = 0; lane < LANES; ++lane) {
+            if (met.hit[lane]) {
+                layers.events->add(lane, {distances[lane],
+                                          {sent[0][lane], sent[1][lane], sent[2][lane]},
+                                          {left[0][lane], left[1][lane], left[2][lane]}});
+            }
+        }
+        over.add(frame, wanted, ray, sheet, light, through);
+    }
+    over.finish(wanted);
+}
+
+} // namespace sfumato::SFUMATO_ISA
