@@ -38,6 +38,7 @@ PYBIND11_MODULE(sfumato, m) {
     bind_opacity(m);
     bind_pictures(m);
     bind_ray_storage(m);
+    bind_transparency(m);
 
     m.def(
         "read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",

@@ -396,10 +396,32 @@ class Visibility:
         self, seen: str = "shown", lit_by: int = 18446744073709551615, hides: int = 18446744073709551615
     ) -> None: ...
 
+def average_series(coefficients: ArrayLike, p: float = 1.0) -> Any:
+    """A Fourier series with Lanczos' sigma factors, (sin x / x)^p of harmonic k at x = pi k / m, where m is the
+    number of its terms: formulas 6-7 of Song (2021).
+    """
+
 def choose_basis(
     depth: ArrayLike, optical_depth: ArrayLike, bytes: int = 20, additive: bool = False, width: float = 0.0
 ) -> RayStorage:
     """The RayStorage that serves a sample of a scene's rays best in at most `bytes` a texel, and why."""
+
+def composite_fourier(depth: ArrayLike, alpha: ArrayLike, colour: ArrayLike, terms: int = 4, sigma: float = 1.0) -> Any:
+    """Transparent fragments by a Fourier series, as published: Song, "order-independent transparency with Fourier
+    series" (2021), formulas 3-13.
+    """
+
+def composite_nearest(
+    depth: ArrayLike, alpha: ArrayLike, colour: ArrayLike, nearest: int = 4, harmonics: int = 1
+) -> Any:
+    """Transparent fragments without sorting: the nearest exactly, the others by one short series over their own
+    depths.
+    """
+
+def composite_weighted(depth: ArrayLike, alpha: ArrayLike, colour: ArrayLike) -> Any:
+    """Transparent fragments weighted by their depth and opacity alone: McGuire and Mara, "Phenomenological
+    Transparency" (2017).
+    """
 
 def content_hash(*arrays: ArrayLike) -> bytes:
     """16 bytes that differ wherever arrays do: in type, shape or values (XXH3)."""

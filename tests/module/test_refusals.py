@@ -90,6 +90,10 @@ VALUES: dict[str, Any] = {
     "depth_ranges.depth": np.full((2, 2, 2), 0.5),
     "depth_ranges.optical_depth": np.ones((2, 2, 2)),
     "filter_map.width": 1.0,
+    "colour": np.ones((2, 2, 3)),
+    "composite_nearest.alpha": RAYS,
+    "composite_fourier.alpha": RAYS,
+    "composite_weighted.alpha": RAYS,
 }
 # These end in an error of their own with what serves: there is no such file.
 OF_FILES = {"read_volume", "volume_header", "Grid.from_file"}
