@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/cycles.png, denoised.png, lights.png, cost.png, arealights.png, lightmaps.png and bases.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
+"""docs/cycles.png, denoised.png, lights.png, cost.png, arealights.png, lightmaps.png, bases.png and oit.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
 
 from __future__ import annotations
 
@@ -209,6 +209,35 @@ def bases_chart() -> None:
     save(figure, "bases", 90)
 
 
+OIT_CASES = ("fragments-8", "fragments-32", "smoke-64", "hair-40", "sheets", "particles", "hair", "model")
+
+
+def transparency_chart() -> None:
+    """Error against the bytes that a pixel keeps; our other ways to spend them are a line."""
+    rows = rows_of("oit")
+    figure, panels = plt.subplots(2, 4, figsize=(12.0, 6.0), sharex=True, sharey=True)
+    for case, axes in zip(OIT_CASES, panels.flat):
+        own = [row for row in rows if row["case"] == case and row["error"] > 1e-9]
+        for row in own:
+            name, place = row["method"], (row["bytes"], 1e3 * row["error"])
+            if name == "sfumato":
+                axes.semilogy(*place, "D", color=SFUMATO, markersize=8)
+            elif name.startswith("sfumato-"):
+                axes.semilogy(*place, ".", color=SFUMATO, markersize=4)
+            else:
+                axes.semilogy(*place, "o", color=CYCLES, markersize=4)
+                axes.annotate(name, place, (4, 3), textcoords="offset points", fontsize=6)
+        axes.set_title(case, fontsize=10)
+        axes.set_xlim(0, 42)
+        axes.grid(True, which="major", alpha=0.25)
+    panels[1, 3].semilogy([], [], "D", color=SFUMATO, label="Sfumato, 4 nearest + 1 harmonic")
+    panels[1, 3].semilogy([], [], ".", color=SFUMATO, label="other numbers of both")
+    panels[1, 3].legend(fontsize=6, loc="lower left")
+    figure.supxlabel("bytes that a pixel keeps for transmittance", fontsize=9)
+    figure.supylabel("RMSE of colour, thousandths", fontsize=9)
+    save(figure, "oit", 90)
+
+
 def main() -> None:
     cycles_chart()
     denoised_chart()
@@ -217,6 +246,7 @@ def main() -> None:
     area_lights_chart()
     light_maps_chart()
     bases_chart()
+    transparency_chart()
 
 
 if __name__ == "__main__":

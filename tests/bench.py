@@ -198,6 +198,14 @@ def heavy(**options: Any) -> tuple[Sequence[Row], list[str]]:
         raise SystemExit(str(error)) from error
 
 
+def transparency() -> tuple[Sequence[Row], list[str]]:
+    """Transparent fragments without sorting, seeded ones and those of four scenes."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_transparency import transparency as composited
+
+    return composited()
+
+
 def package() -> tuple[Sequence[Row], list[str]]:
     """The module that packaging/release made, against the one of this build."""
     from bench_package import package as both
@@ -214,6 +222,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "heavy": heavy,
     "lightmaps": light_maps,
     "lights": lights,
+    "oit": transparency,
     "package": package,
     "versions": versions,
 }

@@ -76,3 +76,16 @@ class HeavyRow(Row):
     scene; `bytes` are the peak of the process above that with an empty scene."""
 
     again: float | None  # seconds of the same once more: the sample asks engines to keep what they have built
+
+
+class TransparencyRow(Row):
+    """One way to composite transparent fragments; `seconds` are of all pixels that were measured, and `bytes` are kept of
+    a pixel's transmittance while its colours are added up."""
+
+    bytes_peak: int  # of a pixel at any time, with sums in the precision in which they are added up
+    bytes_colour: int  # of these, the sums of colours
+    pixels: int  # that any fragment covers
+    stride: int  # of a picture: every so many pixels and rows were measured
+    covered: float  # the share of the picture that any fragment covers
+    mean_fragments: float  # of a covered pixel
+    most_fragments: int
