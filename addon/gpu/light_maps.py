@@ -25,12 +25,8 @@ from .shader import BRICK, Shaders, compile_shader, plain_state
 FORMAT = "RGBA32F"
 TARGETS = 6  # colour targets of one framebuffer in Blender 3.4
 
-# A puff is widened to this many texels: then the sum over texels of what it adds is within 4 % of its integral wherever
-# it stands between them. (At one texel it is within 20 %.)
-LEAST_RADIUS = 1.5
-
-# Along the light a puff is a slab with the variance of its own density, radius^2 / 7; half its width, in radii.
-SLAB = math.sqrt(3.0 / 7.0)
+# Texels that any puff may reach, however narrow: more than LEAST_RADIUS of shaders/media/puff.glsl.
+NARROW = 2.0
 
 
 def light_map_layers(light_map: np.ndarray) -> np.ndarray:
@@ -65,8 +61,8 @@ class LightMaps:
         points (n, 3), metres; radius () or (n,), metres; alpha () or (n,) in [0, 1], the opacity through a particle's
         middle, where 1 is taken to be 1 - 2^-20; world_to_map (4, 4), whose first three rows are perpendicular, as in
         sfumato.LightMap; coefficients 1, 3, ..., 63. A particle is a puff whose density falls off as
-        1 - (r / radius)^2, taken for a slab along the light (shaders/viewport/splat_*.glsl), or without `thick` as flat
-        as the paper's. What is outside the map is left out. The map holds optical depth. Raises ValueError for anything
+        1 - (r / radius)^2 (shaders/media/puff.glsl), taken for a slab along the light (shaders/viewport/splat_*.glsl), or
+        without `thick` as flat as the paper's. What is outside the map is left out. The map holds optical depth. Raises ValueError for anything
         unusable.
         """
         count = arguments.odd_coefficients(coefficients)
@@ -76,26 +72,30 @@ class LightMaps:
         rows = to_map[:3, :3] / metre[:, None]
         if np.abs(rows @ rows.T - np.eye(3)).max() > 1e-3:
             raise ValueError("world_to_map is not a sun's: its first three rows must be perpendicular")
-        slab = SLAB if thick else 0.0
-        batch = self._particles(points, radius, alpha, to_map, (width, height), slab)
+        extent = 1.0 if thick else 0.0
+        batch = self._particles(points, radius, alpha, to_map, (width, height), extent)
 
         def declare(info: Any, layers: int) -> None:
             import gpu
 
-            info.define("LEAST_RADIUS", f"{LEAST_RADIUS}f")
             info.vertex_in(0, "VEC4", "puff")
             info.vertex_in(1, "VEC3", "shape")
             info.push_constant("VEC3", "metre")
             info.push_constant("VEC2", "texels")
-            info.push_constant("FLOAT", "slab")
+            info.push_constant("FLOAT", "extent")
             between = gpu.types.GPUStageInterfaceInfo("splat")
             between.flat("VEC4", "footprint")
             for layer in range(layers):
                 between.flat("VEC4", f"weight{layer}")
             info.vertex_out(between)
 
-        fragment = ["viewport/splat_fragment.glsl"]
-        vertex = ["rays/opacity.glsl", "viewport/light_map_layers.glsl", "viewport/splat_vertex.glsl"]
+        fragment = ["media/puff.glsl", "viewport/splat_fragment.glsl"]
+        vertex = [
+            "rays/opacity.glsl",
+            "media/puff.glsl",
+            "viewport/light_map_layers.glsl",
+            "viewport/splat_vertex.glsl",
+        ]
 
         def draw(shader: Any, buffer: Any) -> None:
             import gpu
@@ -106,7 +106,7 @@ class LightMaps:
             gpu.state.blend_set("ADDITIVE_PREMULT")  # adds all four; ADDITIVE weighs three of them by the fourth
             shader.uniform_float("metre", metre)
             shader.uniform_float("texels", (width, height))
-            shader.uniform_float("slab", slab)
+            shader.uniform_float("extent", extent)
             batch.draw(shader)
 
         light_map = _new_map(width, height, count)
@@ -255,7 +255,7 @@ class LightMaps:
         alpha: ArrayLike,
         to_map: Doubles,
         size: tuple[int, int],
-        slab: float,
+        extent: float,
     ) -> Any:
         """Four vertices a particle, for those that reach into the map."""
         import gpu
@@ -270,8 +270,8 @@ class LightMaps:
         arguments.each_within(alphas, 0.0, 1.0, "alpha")
         metre = np.linalg.norm(to_map[:3, :3], axis=1)
         centres = places @ to_map[:3, :3].T + to_map[:3, 3]
-        reach = radii[:, None] * metre * (1.0, 1.0, slab)
-        reach[:, :2] = np.maximum(reach[:, :2], LEAST_RADIUS / np.array(size))
+        reach = radii[:, None] * metre * (1.0, 1.0, extent)
+        reach[:, :2] = np.maximum(reach[:, :2], NARROW / np.array(size))
         kept = ((centres + reach >= 0.0) & (centres - reach <= 1.0)).all(axis=1)
         corners = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)], np.float32)
         count = int(np.count_nonzero(kept))

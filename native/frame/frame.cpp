@@ -38,6 +38,7 @@ FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) c
     view.lights = content_.lighting.views();
     view.media = media;
     view.seen_media = media.first(content_.seen_media);
+    view.extinctions = content_.lighting.extinctions();
     view.grey = content_.grey;
     view.sorted = view.surfaces.sheets.scene != nullptr;
     view.background = background_;
@@ -104,7 +105,7 @@ void Frame::transmittance(std::size_t light, std::span<const float> points, std:
     const std::size_t samples = content_.lighting.views()[light].samples.size();
     for (std::size_t j = 0; j < samples; ++j) {
         std::fill(depth.begin(), depth.end(), 0.0F);
-        for (std::size_t m = 0; m < content_.media.size(); ++m) {
+        for (std::size_t m = 0; m < content_.lighting.bodies().size(); ++m) {
             const LightMap *const map = content_.lighting.map(light, j, m);
             if (map == nullptr) {
                 continue;
@@ -114,7 +115,7 @@ void Frame::transmittance(std::size_t light, std::span<const float> points, std:
                     prepared_->arena.execute([&] { map->look_up(points, columns, c); });
                 }
                 for (std::size_t i = 0; i < columns.size(); ++i) {
-                    depth[3 * i + static_cast<std::size_t>(c)] += columns[i] * content_.media[m].extinction[c];
+                    depth[3 * i + static_cast<std::size_t>(c)] += columns[i] * content_.lighting.extinctions()[m][c];
                 }
             }
         }

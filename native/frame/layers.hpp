@@ -32,7 +32,8 @@ struct FrameView {
     std::span<const MediumView> media;
     std::span<const MediumView> seen_media; // by the camera: the first of them
     bool sorted = false;                    // whether anything else than grids may lie before a surface
-    bool grey = true;                       // all extinctions are: one march serves all colours
+    std::span<const glm::vec3> extinctions; // of all bodies that have light maps
+    bool grey = true;                       // all of these are: one march serves all colours
     glm::vec3 background{0.0F};
     float background_alpha = 0.0F;
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most

@@ -63,20 +63,20 @@ inline vec3 past_sheets(const SurfaceView &surfaces, const RayScene &sheets, con
 // What the smoke lets through from a light to a point: the mean over the light's samples, by what each brings.
 inline void smoke_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, Real out[3]) {
     const int colours = frame.grey ? 1 : 3;
-    const std::size_t media = frame.media.size();
+    const std::size_t bodies = frame.extinctions.size();
     constexpr float NOTHING = 1e-12F; // what none of them shines at has a plain mean
     Real sum[3] = {0.0F, 0.0F, 0.0F}, all = 0.0F;
     for (std::size_t j = 0; j < light.samples.size(); ++j) {
         const Real share = sample_share(light, light.samples[j], point) + NOTHING;
         all = all + share;
         Real depth[3] = {0.0F, 0.0F, 0.0F};
-        for (std::size_t m = 0; m < media; ++m) {
-            const LightMapView &map = light.maps[j * media + m];
+        for (std::size_t m = 0; m < bodies; ++m) {
+            const LightMapView &map = light.maps[j * bodies + m];
             if (map.empty()) {
                 continue;
             }
             const vec3 place = place_on(map, point);
-            add_optical_depth(map, locate(map, place.x, place.y), place, frame.media[m].extinction, colours, depth);
+            add_optical_depth(map, locate(map, place.x, place.y), place, &frame.extinctions[m].x, colours, depth);
         }
         for (int c = 0; c < colours; ++c) {
             sum[c] = sum[c] + share * RaysText().transmittance_of(depth[c]);

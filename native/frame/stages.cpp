@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame/stages.hpp"
 
+#include "maps/splat.hpp"
 #include "scene/scene.hpp"
 
 namespace sfumato {
@@ -21,6 +22,22 @@ struct RayStage {
 
 bool lights_meet_smoke(const Scene &scene, const Content &content) {
     return !scene.lights.empty() && !content.media.empty();
+}
+
+bool lights_meet_bodies(const Scene & /*scene*/, const Content &content) {
+    return !content.lighting.views().empty() && !content.lighting.bodies().empty();
+}
+
+// Grids first.
+std::vector<Body> bodies_of(const Content &content) {
+    std::vector<Body> bodies;
+    for (const CroppedMedium &medium : content.media) {
+        bodies.push_back(body_of(medium));
+    }
+    for (std::size_t i = 0; content.puffs && i < content.puffs->bodies.size(); ++i) {
+        bodies.push_back(body_of(content.puffs, i));
+    }
+    return bodies;
 }
 
 LightMapSettings map_settings(const FrameSettings &settings) {
@@ -49,16 +66,21 @@ constexpr std::array PARTS = {
                   content.seen_media = static_cast<std::size_t>(
                       std::stable_partition(content.media.begin(), content.media.end(), seen) - content.media.begin());
               }},
+    PartStage{"particles", [](const Scene &scene, const Content & /*content*/) { return !scene.particles.empty(); },
+              [](const Making &making, Content &content) {
+                  content.puffs = puffs_of(making.scene.particles);
+                  content.grey = content.grey && (!content.puffs || content.puffs->grey());
+              }},
     PartStage{"lights", [](const Scene &scene, const Content & /*content*/) { return !scene.lights.empty(); },
               [](const Making &making, Content &content) {
                   const FrameSettings &settings = making.settings;
                   const int samples = settings.shared_ranges ? 1 : settings.light_samples;
-                  content.lighting = Lighting(making.scene.lights, content.media, *content.surfaces, samples);
+                  content.lighting = Lighting(making.scene.lights, bodies_of(content), *content.surfaces, samples);
               }},
-    PartStage{"light maps", lights_meet_smoke,
+    PartStage{"light maps", lights_meet_bodies,
               [](const Making &making, Content &content) {
-                  content.lighting.build_maps(content.media, *content.surfaces, map_settings(making.settings),
-                                              making.with, making.prepared.lights);
+                  content.lighting.build_maps(*content.surfaces, map_settings(making.settings), making.with,
+                                              making.prepared.lights);
               }},
     PartStage{"light volumes", lights_meet_smoke,
               [](const Making &making, Content &content) {

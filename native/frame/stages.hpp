@@ -7,6 +7,7 @@
 #include "frame/prepared.hpp"
 #include "maps/lighting.hpp"
 #include "media/medium.hpp"
+#include "media/particles.hpp"
 #include "solids/surfaces.hpp"
 #include "text/dispatch.hpp"
 
@@ -16,6 +17,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -39,6 +41,7 @@ struct Content {
     std::optional<Surfaces> surfaces;
     std::vector<CroppedMedium> media; // those that are not empty
     std::size_t seen_media = 0;       // those that the camera sees come first
+    std::shared_ptr<const Puffs> puffs; // null where there are none
     bool grey = true;
     Lighting lighting;
 };

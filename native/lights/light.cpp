@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lights/light.hpp"
 
-#include "media/medium.hpp"
+#include "maps/body.hpp"
 #include "text/lights_text.hpp"
 
 #include <algorithm>
@@ -109,19 +109,19 @@ LightView view_of(const Light &light, double cell) {
     return view;
 }
 
-double shadow_blur(const LightView &light, const CroppedMedium &medium) {
-    const Ball ball = ball_of(medium);
+double shadow_blur(const LightView &light, const Body &body) {
+    const Ball ball = ball_of(body);
     // Along an axis that of a disk is half its radius. Of the plume's shadow in suns of 2 to 23 degrees, in it and on a
     // floor, half the ball's radius of air leaves the least error; no one width suits all depths.
-    return 0.5 * half_angle(light, ball, medium.cell_size) * 0.5 * ball.radius;
+    return 0.5 * half_angle(light, ball, body.cell_size) * 0.5 * ball.radius;
 }
 
-std::vector<glm::vec3> light_samples(const LightView &light, std::span<const CroppedMedium> media, int most) {
+std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Body> bodies, int most) {
     // How far the shadow of one point of the smoke spreads over as much air as the smoke is wide, in cells.
     double blur = 0.0;
-    for (const CroppedMedium &medium : media) {
-        const Ball ball = ball_of(medium);
-        blur = std::max(blur, 4.0 * half_angle(light, ball, medium.cell_size) * ball.radius / medium.cell_size);
+    for (const Body &body : bodies) {
+        const Ball ball = ball_of(body);
+        blur = std::max(blur, 4.0 * half_angle(light, ball, body.cell_size) * ball.radius / body.cell_size);
     }
     // Shadows three cells apart melt into one.
     const int count = std::clamp(static_cast<int>(std::ceil(std::pow(std::min(blur / 3.0, 1e3), 2.0))), 1, most);
@@ -139,7 +139,7 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Cro
             break;
         case Light::Kind::SPHERE: {
             // The disk that the sphere shows to the smoke.
-            const glm::dvec3 middle = media.empty() ? position + towards : ball_of(media.front()).middle;
+            const glm::dvec3 middle = bodies.empty() ? position + towards : ball_of(bodies.front()).middle;
             const glm::dvec3 look = middle - position;
             const glm::dmat3 axes = axes_of(glm::length(look) > 0.0 ? look : towards);
             samples.emplace_back(position + double{light.radius} * (axes[0] * disk.x + axes[1] * disk.y));

@@ -15,8 +15,8 @@
 
 namespace sfumato {
 
-struct Ball; // media/medium.hpp
-struct CroppedMedium;
+struct Ball; // maps/body.hpp
+struct Body;
 struct LightMapView; // maps/map_view.hpp
 
 // Owns nothing.
@@ -30,7 +30,7 @@ struct LightView : Light {
     std::span<const glm::vec3> samples; // points; of a sun, directions towards it
     RayScene solids;                    // that may hide it
     RayScene sheets;                    // that may dim it
-    const LightMapView *maps = nullptr; // for each sample and medium; the medium runs fastest
+    const LightMapView *maps = nullptr; // for each sample and body; the body runs fastest
 
     // Whether its rays are parallel: then its direction is the same everywhere, and it does not fall off.
     [[nodiscard]] bool parallel() const { return kind == Kind::SUN; }
@@ -38,16 +38,16 @@ struct LightView : Light {
     [[nodiscard]] bool of_mesh() const { return kind == Kind::POLYGON; }
 };
 
-// What a kernel has to know of a light, without its samples and maps. `cell` is the size of the smallest cell of smoke.
+// What a kernel has to know of a light, without its samples and maps. `cell` is the size of the smallest cell of any body.
 LightView view_of(const Light &light, double cell);
 
 // Points at which a light stands for all of itself, no more of them than its penumbra behind the smoke asks for; of a
 // sun, directions towards it.
-std::vector<glm::vec3> light_samples(const LightView &light, std::span<const CroppedMedium> media, int most);
+std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Body> bodies, int most);
 
 // The standard deviation, in metres, of the bell that stands for the shadow of one point of the smoke in a light, over
 // as much air as half the smoke is wide.
-double shadow_blur(const LightView &light, const CroppedMedium &medium);
+double shadow_blur(const LightView &light, const Body &body);
 
 // Whether light from one of its samples can meet what is in the ball at all: not behind an area light, not outside a
 // spot's cone.

@@ -62,13 +62,11 @@ double nearest_solid(const LightMap &map, const RayScene &solids, double nearest
     return nearest;
 }
 
-// The eight corners of the medium's box, taken through `to`.
-std::array<glm::dvec3, 8> corners_of(const CroppedMedium &medium, const glm::dmat4 &to) {
-    const glm::ivec3 &n = medium.grid->resolution;
-    std::array<glm::dvec3, 8> corners;
-    for (std::size_t i = 0; i < 8; ++i) {
-        const glm::dvec3 cell((i & 1) != 0 ? n.x : 0, (i & 2) != 0 ? n.y : 0, (i & 4) != 0 ? n.z : 0);
-        corners[i] = glm::dvec3(to * medium.grid_to_world * glm::dvec4(cell, 1.0));
+// The eight corners of the body's box, taken through `to`.
+std::array<glm::dvec3, 8> corners_of(const Body &body, const glm::dmat4 &to) {
+    std::array<glm::dvec3, 8> corners = body.corners();
+    for (glm::dvec3 &corner : corners) {
+        corner = glm::dvec3(to * glm::dvec4(corner, 1.0));
     }
     return corners;
 }
@@ -81,12 +79,12 @@ int slices_for(double cells) {
 
 // The edge of a texel in metres: the shortest edge of a cell; but where cells are thin and seen from their flat side,
 // no less than a quarter of the width that they show to the light.
-double texel_edge(const CroppedMedium &medium, const glm::dvec3 &towards) {
-    const glm::dmat3 m(medium.grid_to_world);
+double texel_edge(const Body &body, const glm::dvec3 &towards) {
+    const glm::dmat3 m(body.cells_to_world);
     const double shown = std::abs(glm::dot(glm::cross(m[0], m[1]), towards)) +
                          std::abs(glm::dot(glm::cross(m[1], m[2]), towards)) +
                          std::abs(glm::dot(glm::cross(m[2], m[0]), towards));
-    return std::max(medium.cell_size, 0.25 * std::sqrt(shown));
+    return std::max(body.cell_size, 0.25 * std::sqrt(shown));
 }
 
 // Texels of at least the asked-for size, so many that they fill an extent within memory; the rim around them stays
@@ -112,13 +110,13 @@ int words(const LightMap &map) {
 }
 
 // A map of what the settings ask for, without its rays.
-LightMap planned(const CroppedMedium &medium, const LightMapSettings &settings) {
+LightMap planned(const Body &body, const LightMapSettings &settings) {
     LightMap map;
     map.series = {settings.basis, static_cast<std::size_t>(settings.coefficients), {}};
     map.shared = settings.shared && !settings.curved;
     map.curved = settings.curved;
-    map.colours = settings.curved && !medium.grey() ? 3 : 1;
-    map.extinction = medium.extinction;
+    map.colours = settings.curved && !body.grey() ? 3 : 1;
+    map.extinction = body.extinction;
     return map;
 }
 
@@ -178,15 +176,15 @@ SolidDepths find_solids(const LightMap &map, const RayScene &solids, double near
     return depths;
 }
 
-LightMap plan_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const LightMapSettings &settings) {
+LightMap plan_parallel_map(const Body &body, const glm::dvec3 &direction, const LightMapSettings &settings) {
     const glm::dmat3 to_light = glm::transpose(axes_of(direction));
     glm::dvec3 low(std::numeric_limits<double>::max()), high(std::numeric_limits<double>::lowest());
-    for (const glm::dvec3 &p : corners_of(medium, glm::dmat4(to_light))) {
+    for (const glm::dvec3 &p : corners_of(body, glm::dmat4(to_light))) {
         low = glm::min(low, p);
         high = glm::max(high, p);
     }
-    LightMap map = planned(medium, settings);
-    const double texel = texel_edge(medium, glm::normalize(direction)) / settings.texels_per_cell;
+    LightMap map = planned(body, settings);
+    const double texel = texel_edge(body, glm::normalize(direction)) / settings.texels_per_cell;
     map.size = texels_for(glm::dvec2(high - low), texel, words(map), settings.most_floats);
     const double fitted = std::max({texel, (high.x - low.x) / (map.size.x - 2), (high.y - low.y) / (map.size.y - 2)});
     map.blur = worth(settings.blur / fitted);
@@ -199,25 +197,25 @@ LightMap plan_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direct
         }
         map.world_to_light[3][row] = -origin[row] / extent[row];
     }
-    const glm::dmat4 light_to_grid = glm::inverse(medium.grid_to_world) * glm::inverse(map.world_to_light);
+    const glm::dmat4 light_to_grid = glm::inverse(body.cells_to_world) * glm::inverse(map.world_to_light);
     map.length = extent.z;
     map.slices = slices_for(glm::length(glm::dvec3(light_to_grid[2])));
     return map;
 }
 
-LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const LightMapSettings &settings) {
+LightMap plan_radial_map(const Body &body, const glm::dvec3 &position, const LightMapSettings &settings) {
     // The frame of the light looks at the middle of the smoke, so that the seams of the octahedron lie behind it.
-    const glm::dvec3 middle(medium.grid_to_world * glm::dvec4(0.5 * glm::dvec3(medium.grid->resolution), 1.0));
+    const glm::dvec3 middle(body.cells_to_world * glm::dvec4(0.5 * body.cells, 1.0));
     const glm::dvec3 towards = middle - position;
     const double distance = glm::length(towards);
     const glm::dvec3 look = distance > 1e-9 ? towards / distance : glm::dvec3(0.0, 0.0, 1.0);
     const glm::dmat3 to_light = glm::transpose(axes_of(look));
-    LightMap map = planned(medium, settings);
+    LightMap map = planned(body, settings);
     map.radial = true;
     map.world_to_light = glm::dmat4(to_light);
     map.world_to_light[3] = glm::dvec4(-(to_light * position), 1.0);
 
-    const std::array<glm::dvec3, 8> corners = corners_of(medium, map.world_to_light);
+    const std::array<glm::dvec3, 8> corners = corners_of(body, map.world_to_light);
     map.low = glm::dvec3(-1.0, -1.0, 0.0);
     map.high = glm::dvec3(1.0, 1.0, 0.0);
     for (const glm::dvec3 &p : corners) {
@@ -254,7 +252,7 @@ LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position
     }
     // A texel spans a cell, or the share asked for, at the middle of the smoke; near the light it spans less.
     const double reach = std::max(distance, 0.25 * map.high.z);
-    const double texel = texel_edge(medium, look) / (settings.texels_per_cell * reach);
+    const double texel = texel_edge(body, look) / (settings.texels_per_cell * reach);
     const glm::dvec2 extent(map.high - map.low);
     map.size = texels_for(extent, texel, words(map), settings.most_floats);
     // The rim of two texels must lie outside the smoke, unless the map is all that there is.
@@ -266,7 +264,7 @@ LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position
     map.low = glm::dvec3(glm::max(glm::dvec2(map.low) - rim, -1.0), map.low.z);
     map.high = glm::dvec3(glm::min(glm::dvec2(map.high) + rim, 1.0), map.high.z);
     map.length = map.high.z - map.low.z;
-    map.slices = slices_for(map.length / medium.cell_size);
+    map.slices = slices_for(map.length / body.cell_size);
     return map;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A light map: one medium's column density along the rays of one point of a light; and where solids begin on them.
+// A light map: one body's column density along the rays of one point of a light; and where solids begin on them.
 #pragma once
 
+#include "maps/body.hpp"
 #include "maps/map_view.hpp"
 #include "media/medium.hpp"
 #include "solids/ray_scene.hpp"
@@ -40,6 +41,8 @@ struct LightMap {
     [[nodiscard]] std::size_t texels() const {
         return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
     }
+    // Whether it has harmonics, which have inner loops of their own.
+    [[nodiscard]] bool harmonic() const { return !curved && (series.name == COSINE || series.name == FOURIER); }
     [[nodiscard]] std::size_t bytes() const { return 4 * (coefficients.size() + curves.size()); }
     // Column density between the light and each of `points` (x, y, z in turn), as light of a colour meets it: curves
     // are rounded for each, series are the same for all.
@@ -48,7 +51,7 @@ struct LightMap {
 
 struct LightMapSettings {
     int coefficients = 15;        // of a series
-    double texels_per_cell = 1.0; // against the shortest edge of the medium's cells
+    double texels_per_cell = 1.0; // against the shortest edge of the body's cells
     double most_floats = 1 << 26; // of one map: a quarter of a gibibyte; it has larger texels where it would need more
     BasisName basis = COSINE;
     bool curved = false; // resolved curves in the place of a series
@@ -57,13 +60,15 @@ struct LightMapSettings {
 };
 
 // The rays of a map of light that travels in `direction` everywhere.
-LightMap plan_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction, const LightMapSettings &settings);
+LightMap plan_parallel_map(const Body &body, const glm::dvec3 &direction, const LightMapSettings &settings);
 
-// The rays of a map of light that leaves `position` in all directions. The position may lie in the medium.
-LightMap plan_radial_map(const CroppedMedium &medium, const glm::dvec3 &position, const LightMapSettings &settings);
+// The rays of a map of light that leaves `position` in all directions. The position may lie in the body.
+LightMap plan_radial_map(const Body &body, const glm::dvec3 &position, const LightMapSettings &settings);
 
-// A plan with its coefficients, or its curves.
-LightMap projected(LightMap plan, const CroppedMedium &medium, const InstructionSet &with = instruction_set());
+// A plan with the coefficients, or the curves, of a grid's smoke, whose strongest colour has this extinction: what can
+// be seen decides what range a ray needs.
+LightMap projected(LightMap plan, const Grid &grid, const glm::dmat4 &grid_to_world, float extinction,
+                   const InstructionSet &with);
 
 // A map's series with coefficients as project() of rays/basis.hpp makes them, and the range of each; none of curves.
 struct MapSeries {
@@ -74,12 +79,14 @@ MapSeries series_of(const LightMap &map);
 
 inline LightMap build_parallel_map(const CroppedMedium &medium, const glm::dvec3 &direction,
                                    const LightMapSettings &settings, const InstructionSet &with = instruction_set()) {
-    return projected(plan_parallel_map(medium, direction, settings), medium, with);
+    const Body body = body_of(medium);
+    return body.project(plan_parallel_map(body, direction, settings), with);
 }
 
 inline LightMap build_radial_map(const CroppedMedium &medium, const glm::dvec3 &position,
                                  const LightMapSettings &settings, const InstructionSet &with = instruction_set()) {
-    return projected(plan_radial_map(medium, position, settings), medium, with);
+    const Body body = body_of(medium);
+    return body.project(plan_radial_map(body, position, settings), with);
 }
 
 // Where solids stand on a map's rays; of light that has a place, from `nearest` metres around it on.

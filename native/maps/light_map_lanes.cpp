@@ -15,6 +15,9 @@
 namespace sfumato::SFUMATO_ISA {
 
 void light_box(const LightBox &box); // light_box_lanes.cpp
+// splat_lanes.cpp
+void splat_puffs(const Splat<SplatPuff> &splat, int column, int row);
+void meet_puffs(const Splat<SplatPuff> &splat, int column, int row, int packet, SplatAbsorbers &out);
 
 namespace {
 
@@ -219,6 +222,6 @@ void look_up(const LightMapView &map, const float *points, float *columns, int c
     }
 }
 
-extern const MapKernels map_kernels{project_row, march_row, look_up, light_box};
+extern const MapKernels map_kernels{project_row, march_row, look_up, light_box, splat_puffs, meet_puffs};
 
 } // namespace sfumato::SFUMATO_ISA

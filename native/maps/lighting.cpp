@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -14,8 +15,8 @@ namespace sfumato {
 
 namespace {
 
-bool lights_smoke(const Light &light, const CroppedMedium &medium) {
-    return light.reach.smoke && (light.reach.lights & medium.visibility.lit_by) != 0;
+bool lights_smoke(const Light &light, const Body &body) {
+    return light.reach.smoke && (light.reach.lights & body.visibility.lit_by) != 0;
 }
 
 } // namespace
@@ -51,12 +52,12 @@ void LightParts::end_round() {
     volumes.end_round();
 }
 
-Lighting::Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, const Surfaces &surfaces,
-                   int most_samples)
-    : media_(media.size()) {
-    double cell = media.empty() ? 0.0 : media.front().cell_size;
-    for (const CroppedMedium &medium : media) {
-        cell = std::min(cell, medium.cell_size);
+Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples)
+    : bodies_(std::move(bodies)) {
+    double cell = bodies_.empty() ? 0.0 : bodies_.front().cell_size;
+    for (const Body &body : bodies_) {
+        cell = std::min(cell, body.cell_size);
+        extinctions_.push_back(body.extinction);
     }
     for (const Light &light : lights) {
         views_.push_back(view_of(light, cell));
@@ -67,18 +68,18 @@ Lighting::Lighting(std::span<const Light> lights, std::span<const CroppedMedium>
     // The faces of a mesh that glows are parts of one light: what each of them throws is blurred by the others.
     const int share = std::max(most_samples / std::max(static_cast<int>(faces), 1), std::min(most_samples, 4));
     for (const LightView &view : views_) {
-        samples_.push_back(light_samples(view, media, view.of_mesh() ? share : most_samples));
+        samples_.push_back(light_samples(view, bodies_, view.of_mesh() ? share : most_samples));
     }
     for (std::size_t i = 0; i < views_.size(); ++i) {
         views_[i].samples = samples_[i];
     }
 }
 
-void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces,
-                          const LightMapSettings &settings, const InstructionSet &with, LightParts &parts) {
+void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
+                          LightParts &parts) {
     std::size_t maps = 0;
     for (const std::vector<glm::vec3> &samples : samples_) {
-        maps += samples.size() * media_;
+        maps += samples.size() * bodies_.size();
     }
     constexpr double MOST_FLOATS = 1 << 28; // of all maps: a gibibyte
     for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -91,9 +92,9 @@ void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &
         std::vector<Map> &made = maps_.emplace_back();
         std::vector<LightMapView> &map_views = map_views_.emplace_back();
         for (const glm::vec3 &sample : samples_[i]) {
-            for (const CroppedMedium &medium : media) {
-                map.blur = map.shared ? shadow_blur(views_[i], medium) : 0.0;
-                made.push_back(build_map(views_[i], glm::dvec3(sample), medium, surfaces, map, with, parts));
+            for (const Body &body : bodies_) {
+                map.blur = map.shared ? shadow_blur(views_[i], body) : 0.0;
+                made.push_back(build_map(views_[i], glm::dvec3(sample), body, surfaces, map, with, parts));
                 map_views.push_back(made.back().columns ? made.back().columns->view(made.back().solids.get())
                                                         : LightMapView{});
             }
@@ -104,14 +105,14 @@ void Lighting::build_maps(std::span<const CroppedMedium> media, const Surfaces &
     }
 }
 
-Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
+Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &sample, const Body &body,
                                   const Surfaces &surfaces, const LightMapSettings &settings,
-                                  const InstructionSet &with, LightParts &parts) const {
-    if (!meets(light, sample, ball_of(medium))) {
+                                  const InstructionSet &with, LightParts &parts) {
+    if (!meets(light, sample, ball_of(body))) {
         return {};
     }
     LightMap plan =
-        light.parallel() ? plan_parallel_map(medium, -sample, settings) : plan_radial_map(medium, sample, settings);
+        light.parallel() ? plan_parallel_map(body, -sample, settings) : plan_radial_map(body, sample, settings);
     // The mesh does not shade the air just before its faces.
     const double nearest = light.of_mesh() ? 1e-3 * double{light.radius} : 0.0;
     Key rays;
@@ -119,23 +120,22 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
     rays.numbers(std::span<const double>(&plan.world_to_light[0].x, 16));
     rays.numbers(std::span<const double>(&plan.low.x, 3)).numbers(std::span<const double>(&plan.high.x, 3));
     Key columns = rays, solids = rays;
-    columns.part(medium.grid).number(medium.strongest());
+    body.identify(columns);
     columns.number(plan.series.name, plan.series.count, plan.shared, plan.curved, plan.blur);
     if (plan.curved) {
-        columns.number(medium.extinction.x, medium.extinction.y, medium.extinction.z);
+        columns.number(body.extinction.x, body.extinction.y, body.extinction.z);
     }
-    columns.numbers(std::span<const double>(&medium.grid_to_world[0].x, 16));
     solids.part(surfaces.hiding(light)).number(nearest);
-    const bool hides = (medium.visibility.hides & light.reach.hidden_by) != 0;
+    const bool hides = (body.visibility.hides & light.reach.hidden_by) != 0;
     columns.number(hides);
     Map map;
     map.solids = parts.solids.get(solids, [&] { return find_solids(plan, light.solids, nearest); });
     map.columns =
-        parts.maps.get(columns, [&] { return hides ? projected(std::move(plan), medium, with) : std::move(plan); });
+        parts.maps.get(columns, [&] { return hides ? body.project(std::move(plan), with) : std::move(plan); });
     return map;
 }
 
-Key Lighting::volume_key(std::size_t light, std::size_t own, std::span<const CroppedMedium> media, bool grey) const {
+Key Lighting::arriving_key(std::size_t light, std::size_t own, bool grey) const {
     const LightView &view = views_[light];
     Key key;
     key.number(static_cast<int>(grey), static_cast<int>(view.kind), static_cast<int>(view.spot_cosine),
@@ -151,12 +151,8 @@ Key Lighting::volume_key(std::size_t light, std::size_t own, std::span<const Cro
     for (const Map &map : maps_[light]) {
         key.part(map.columns).part(map.solids);
     }
-    key.number(lights_smoke(view, media[own]));
-    for (const CroppedMedium &medium : media) {
-        key.number(medium.extinction.x, medium.extinction.y, medium.extinction.z);
-    }
-    key.part(media[own].grid).number(own);
-    key.numbers(std::span<const double>(&media[own].grid_to_world[0].x, 16));
+    key.number(lights_smoke(view, bodies_[own]), own);
+    key.numbers(std::span<const float>(&extinctions_.front().x, 3 * extinctions_.size()));
     return key;
 }
 
@@ -167,21 +163,21 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
         medium.light.clear();
     }
     const MediaViews unlit = views_of(media, 1.0);
-    for (std::size_t m = 0; m < media_; ++m) {
+    for (std::size_t m = 0; m < media.size(); ++m) {
         const CroppedMedium &medium = media[m];
         const std::size_t floats = medium.grid->density.size() * static_cast<std::size_t>(medium.light_channels);
         std::vector<std::shared_ptr<const LightVolume>> volumes;
         for (std::size_t i = 0; i < views_.size(); ++i) {
-            volumes.push_back(parts.volumes.get(volume_key(i, m, media, grey), [&] {
+            Key key = arriving_key(i, m, grey);
+            key.part(medium.grid).numbers(std::span<const double>(&medium.grid_to_world[0].x, 16));
+            volumes.push_back(parts.volumes.get(key, [&] {
                 LightVolume volume(floats, 0.0F);
-                if (!lights_smoke(views_[i], medium)) {
+                if (!lights_smoke(views_[i], bodies_[m])) {
                     return volume;
                 }
                 LightBox box;
-                box.light = &views_[i];
-                box.media = unlit.views;
-                box.own = static_cast<int>(m);
-                box.grey = grey;
+                box.at = {&views_[i], extinctions_, static_cast<int>(m), grey};
+                box.clearance = unlit.views[m].clearance;
                 box.grid_to_world = affine(medium.grid_to_world);
                 const Grid &grid = *medium.grid;
                 oneapi::tbb::parallel_for(0, grid.boxes(), [&with, &grid, &volume, box](int number) {
@@ -189,7 +185,7 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
                     LightBox own = box;
                     own.first = stored.first;
                     own.size = stored.size;
-                    own.values = volume.data() + stored.begin * (own.grey ? 2 : 4);
+                    own.values = volume.data() + stored.begin * (own.at.grey ? 2 : 4);
                     map_kernels(with).light_box(own);
                 });
                 return volume;
@@ -199,11 +195,11 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
     }
 }
 
-const LightMap *Lighting::map(std::size_t light, std::size_t sample, std::size_t medium) const {
-    if (light >= maps_.size() || medium >= media_ || sample >= samples_[light].size()) {
+const LightMap *Lighting::map(std::size_t light, std::size_t sample, std::size_t body) const {
+    if (light >= maps_.size() || body >= bodies_.size() || sample >= samples_[light].size()) {
         return nullptr;
     }
-    const LightMap *const map = maps_[light][sample * media_ + medium].columns.get();
+    const LightMap *const map = maps_[light][sample * bodies_.size() + body].columns.get();
     return map == nullptr || map->bytes() == 0 ? nullptr : map;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lights of a frame: how often each is sampled, its light maps, and the light volumes of the smoke.
+// The lights of a frame: how often each is sampled, its light maps, and what of them arrives in smoke.
 #pragma once
 
 #include "lights/light.hpp"
@@ -28,34 +28,38 @@ class Lighting {
 public:
     Lighting() = default;
     // Of each light its view and, at most most_samples of them, the points at which it is sampled.
-    Lighting(std::span<const Light> lights, std::span<const CroppedMedium> media, const Surfaces &surfaces,
-             int most_samples);
-    // The maps of every medium from every sample of every light, then the light volumes of the media.
-    void build_maps(std::span<const CroppedMedium> media, const Surfaces &surfaces, const LightMapSettings &settings,
-                    const InstructionSet &with, LightParts &parts);
+    Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples);
+    // The maps of every body from every sample of every light.
+    void build_maps(const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
+                    LightParts &parts);
+    // Then the light volumes of the media, which are the first of the bodies.
     void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
                       LightParts &parts) const;
 
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
-    // The map of one medium in one light, null where that light cannot meet it, or is not hidden by it.
-    [[nodiscard]] const LightMap *map(std::size_t light, std::size_t sample, std::size_t medium) const;
+    [[nodiscard]] std::span<const Body> bodies() const { return bodies_; }
+    // Of each body.
+    [[nodiscard]] std::span<const glm::vec3> extinctions() const { return extinctions_; }
+    // The map of one body in one light, null where that light cannot meet it, or is not hidden by it.
+    [[nodiscard]] const LightMap *map(std::size_t light, std::size_t sample, std::size_t body) const;
 
 private:
-    // A map of one medium from one sample of a light; both null where that light cannot meet it.
+    // A map of one body from one sample of a light; both null where that light cannot meet it.
     struct Map {
         std::shared_ptr<const LightMap> columns;
         std::shared_ptr<const SolidDepths> solids;
     };
 
-    [[nodiscard]] Map build_map(const LightView &light, const glm::dvec3 &sample, const CroppedMedium &medium,
-                                const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
-                                LightParts &parts) const;
-    [[nodiscard]] Key volume_key(std::size_t light, std::size_t own, std::span<const CroppedMedium> media,
-                                 bool grey) const;
+    [[nodiscard]] static Map build_map(const LightView &light, const glm::dvec3 &sample, const Body &body,
+                                       const Surfaces &surfaces, const LightMapSettings &settings,
+                                       const InstructionSet &with, LightParts &parts);
+    // What of a light arrives in one of the bodies, as far as that is known without what is lit there.
+    [[nodiscard]] Key arriving_key(std::size_t light, std::size_t own, bool grey) const;
 
-    std::size_t media_ = 0;
+    std::vector<Body> bodies_;
+    std::vector<glm::vec3> extinctions_;
     std::vector<std::vector<glm::vec3>> samples_; // of each light
-    std::vector<std::vector<Map>> maps_;          // of each light: for each sample and medium, the medium first
+    std::vector<std::vector<Map>> maps_;          // of each light: for each sample and body, the body first
     std::vector<std::vector<LightMapView>> map_views_;
     std::vector<LightView> views_;
 };

@@ -15,17 +15,6 @@ float CroppedMedium::strongest() const {
     return std::max({extinction.x, extinction.y, extinction.z});
 }
 
-Ball ball_of(const CroppedMedium &medium) {
-    const glm::dvec3 n(medium.grid->resolution);
-    const glm::dmat4 &m = medium.grid_to_world;
-    Ball ball{glm::dvec3(m * glm::dvec4(0.5 * n, 1.0)), 0.0};
-    for (int corner = 0; corner < 4; ++corner) { // the other four are their mirror images
-        const glm::dvec3 at(n.x, (corner & 1) != 0 ? n.y : 0.0, (corner & 2) != 0 ? n.z : 0.0);
-        ball.radius = std::max(ball.radius, glm::distance(ball.middle, glm::dvec3(m * glm::dvec4(at, 1.0))));
-    }
-    return ball;
-}
-
 float emptiness(const glm::uvec3 &resolution, const glm::mat4 &grid_to_world, const glm::vec3 &extinction) {
     const float strongest = std::max({extinction.x, extinction.y, extinction.z});
     if (!(strongest > 0.0F)) {

@@ -34,13 +34,6 @@ struct CroppedMedium {
     [[nodiscard]] float strongest() const;
 };
 
-// A sphere around a medium.
-struct Ball {
-    glm::dvec3 middle{0.0};
-    double radius = 0.0;
-};
-Ball ball_of(const CroppedMedium &medium);
-
 // The density that could darken nothing by more than 1e-4 of optical depth along the grid's diagonal: cells up to it
 // count as empty. Infinite for a material that takes no light.
 float emptiness(const glm::uvec3 &resolution, const glm::mat4 &grid_to_world, const glm::vec3 &extinction);

@@ -201,7 +201,7 @@ const LightMap *light_map(const Frame &frame, int light, int sample, int medium)
     require_light(frame, light);
     const auto samples = static_cast<int>(frame.lighting().views()[static_cast<std::size_t>(light)].samples.size());
     require_range(sample, 0, samples - 1, "sample");
-    require_range(medium, 0, static_cast<int>(frame.media().size()) - 1, "medium");
+    require_range(medium, 0, static_cast<int>(frame.lighting().bodies().size()) - 1, "medium");
     const auto index = [](int value) { return static_cast<std::size_t>(value); };
     return frame.lighting().map(index(light), index(sample), index(medium));
 }
@@ -384,8 +384,8 @@ its number. Solids are left out. Raises ValueError where there is no such light.
         .def(
             "light_map", &light_map, py::arg("light") = 0, py::arg("sample") = 0, py::arg("medium") = 0,
             py::return_value_policy::reference_internal,
-            R"(The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot meet
-it. Raises ValueError where there is no such light, sample or medium.
+            R"(The LightMap of a medium, or of particles, which follow the media, from one of the points that a light is
+sampled at; None where that light cannot meet it. Raises ValueError where there is no such light, sample or medium.
 
 >>> import numpy as np
 >>> scene = Scene()

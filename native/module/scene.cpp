@@ -9,6 +9,7 @@
 #include "module/scene_parts.hpp"
 #include "scene/camera.hpp"
 
+#include <algorithm>
 #include <variant>
 
 #include <glm/geometric.hpp>
@@ -135,6 +136,51 @@ void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &de
     scene.media.push_back(std::move(medium));
     scene.densities.push_back(array != nullptr ? std::optional(*array) : std::nullopt);
     scene.colours.push_back(colour);
+}
+
+// One for each of `count`, or one for all of them.
+std::vector<float> one_each(const Floats &array, py::ssize_t count, float high, const std::string &name) {
+    if (array.ndim() > 0) {
+        require_shape(array, {count}, name);
+    }
+    require_range(array, 0.0F, high, name);
+    return array.ndim() > 0 ? std::vector<float>(array.data(), array.data() + count)
+                            : std::vector<float>(static_cast<std::size_t>(count), *array.data());
+}
+
+void add_particles(ConsoleScene &scene, const Floats &points, const Floats &radius, const Floats &opacity,
+                   const Floats &albedo, const Floats &extinction, float anisotropy,
+                   const std::optional<Visibility> &visibility) {
+    require_shape(points, {-1, 3}, "points");
+    require_range(points, -1e15F, 1e15F, "points");
+    const py::ssize_t count = points.shape(0);
+    Particles out;
+    out.radius = one_each(radius, count, 1e15F, "radius");
+    out.opacity = one_each(opacity, count, 1.0F, "opacity");
+    if (albedo.ndim() == 2) {
+        require_shape(albedo, {count, 3}, "albedo");
+    } else {
+        require_shape(albedo, {3}, "albedo");
+    }
+    require_range(albedo, 0.0F, 1.0F, "albedo");
+    require_range(extinction, 0.0F, 1.0F, "extinction");
+    out.extinction = vector3(extinction, "extinction");
+    if (std::max({out.extinction.x, out.extinction.y, out.extinction.z}) != 1.0F) {
+        throw py::value_error("extinction is (" + text(out.extinction.x) + ", " + text(out.extinction.y) + ", " +
+                              text(out.extinction.z) + "), but that of the strongest colour must be 1");
+    }
+    require_range(anisotropy, -0.9999F, 0.9999F, "anisotropy");
+    out.anisotropy = anisotropy;
+    out.visibility = visibility.value_or(Visibility{});
+    if (out.visibility.seen != Seen::SHOWN && out.visibility.seen != Seen::UNSEEN) {
+        throw py::value_error(
+            "visibility.seen must be 'shown' or 'unseen': particles are no holdout, and catch no shadow");
+    }
+    const auto *const first = reinterpret_cast<const glm::vec3 *>(points.data());
+    out.points.assign(first, first + count);
+    const auto *const colours = reinterpret_cast<const glm::vec3 *>(albedo.data());
+    out.albedo.assign(colours, colours + albedo.size() / 3);
+    scene.particles.push_back(std::move(out));
 }
 
 glm::vec3 unit_vector(const Floats &array, const std::string &name) {
@@ -330,6 +376,23 @@ Raises ValueError for an empty, negative or non-finite density and for a matrix 
 
 >>> import numpy as np
 >>> Scene().add_medium(np.ones((4, 4, 4)), np.eye(4), scattering=(1, 1, 1), absorption=(0, 0, 0))
+)")
+        .def(
+            "add_particles", &add_particles, py::arg("points"), py::arg("radius"), py::arg("opacity"),
+            py::arg("albedo") = std::array<float, 3>{0.8F, 0.8F, 0.8F},
+            py::arg("extinction") = std::array<float, 3>{1.0F, 1.0F, 1.0F}, py::arg("anisotropy") = 0.0F,
+            py::arg("visibility") = py::none(),
+            R"(Add smoke as soft puffs, which show and shade as such. Where they overlap, their densities add, with those
+of grids, too; so their order does not matter, and none begins at a sheet.
+
+points (n, 3), metres, of which there may be none; radius, one for all or (n,), at which a puff's density, which falls
+from the middle on as 1 - (r / radius)^2, is 0; opacity, one or (n,), in [0, 1], straight through the middle and in the
+strongest colour, where 1 is taken for 1 - 2^-20; albedo (3,) or (n, 3) in [0, 1], of what is taken the share that is
+scattered; extinction (3,), in each colour against the strongest, whose is 1; anisotropy g of Henyey and Greenstein (1941)
+in (-1, 1); visibility, 'shown' or 'unseen', and its lights.
+Raises ValueError for wrong shapes and for values that are not finite or not in range.
+
+>>> Scene().add_particles([[0, 0, 0], [0, 0, 1]], radius=0.5, opacity=[0.1, 0.3])
 )")
         .def("add_sun", &add_sun, py::arg("direction"), py::arg("irradiance"), py::arg("angle") = 0.0F,
              py::arg("reach") = py::none(),

@@ -45,8 +45,9 @@ class Frame:
     def grey(self) -> bool:
         """Whether all smoke takes all colours alike: one march does."""
     def light_map(self, light: int = 0, sample: int = 0, medium: int = 0) -> LightMap:
-        """The LightMap of a medium from one of the points that a light is sampled at; None where that light cannot
-        meet it. Raises ValueError where there is no such light, sample or medium.
+        """The LightMap of a medium, or of particles, which follow the media, from one of the points that a light is
+        sampled at; None where that light cannot meet it. Raises ValueError where there is no such light, sample
+        or medium.
         """
     @property
     def lights(self) -> NDArray[numpy.float32]:
@@ -350,6 +351,19 @@ class Scene:
         transmittance: ArrayLike | None = None,
     ) -> None:
         """Add triangles that reflect diffusely, and with gloss."""
+    def add_particles(
+        self,
+        points: ArrayLike,
+        radius: ArrayLike,
+        opacity: ArrayLike,
+        albedo: ArrayLike = [0.800000011920929, 0.800000011920929, 0.800000011920929],
+        extinction: ArrayLike = [1.0, 1.0, 1.0],
+        anisotropy: float = 0.0,
+        visibility: Visibility | None = None,
+    ) -> None:
+        """Add smoke as soft puffs, which show and shade as such. Where they overlap, their densities add, with those
+        of grids, too; so their order does not matter, and none begins at a sheet.
+        """
     def add_point(
         self,
         position: ArrayLike,

@@ -39,7 +39,15 @@ Ray camera_ray(const Camera &camera, double u, double v) {
 // Whether any smoke is at a point.
 bool smoky(const Scene &scene, const glm::dvec3 &x) {
     return std::any_of(scene.media.begin(), scene.media.end(),
-                       [&](const Medium &medium) { return density(medium, x) > 0.0; });
+                       [&](const Medium &medium) { return density(medium, x) > 0.0; }) ||
+           std::any_of(scene.particles.begin(), scene.particles.end(), [&](const Particles &particles) {
+               for (std::size_t i = 0; i < particles.points.size(); ++i) {
+                   if (extinction(particles, i, x) > 0.0) {
+                       return true;
+                   }
+               }
+               return false;
+           });
 }
 
 // How far it is from a point to where the light changes fast: the nearest surface of a sphere, from both sides, or the
@@ -75,18 +83,24 @@ void append_steps(const Scene &scene, const Ray &ray, double from, double to, do
 }
 
 // Where the steps along the first `end` metres of a ray start and end, in metres. They never straddle a plane through
-// cell centres of any medium, where its density has a kink: within one, everything is smooth.
+// cell centres of any medium, or the rim of a particle, where its density has a kink: within one, everything is smooth.
 std::vector<double> step_ends(const Scene &scene, const Ray &ray, double end, const Settings &settings) {
-    std::vector<double> crossings;
-    for (const Medium &medium : scene.media) {
-        const std::vector<double> own = cell_crossings(medium, ray.origin, ray.at(end));
-        crossings.insert(crossings.end(), own.begin(), own.end());
+    std::vector<double> kinks;
+    if (!scene.particles.empty()) {
+        kinks = {0.0, 1.0};
     }
-    std::sort(crossings.begin(), crossings.end());
+    const auto add = [&kinks](const std::vector<double> &own) { kinks.insert(kinks.end(), own.begin(), own.end()); };
+    for (const Medium &medium : scene.media) {
+        add(cell_crossings(medium, ray.origin, ray.at(end)));
+    }
+    for (const Particles &particles : scene.particles) {
+        add(crossings(particles, ray.origin, ray.at(end)));
+    }
+    std::sort(kinks.begin(), kinks.end());
     std::vector<double> ends{0.0};
-    for (std::size_t i = 0; i + 1 < crossings.size(); ++i) {
-        const double from = crossings[i] * end;
-        const double length = (crossings[i + 1] - crossings[i]) * end;
+    for (std::size_t i = 0; i + 1 < kinks.size(); ++i) {
+        const double from = kinks[i] * end;
+        const double length = (kinks[i + 1] - kinks[i]) * end;
         // A density is never negative, so if it is zero inside a cell then it is zero all along the way through it.
         if (!smoky(scene, ray.at(from + 0.5 * length))) {
             ends.push_back(from + length);
@@ -102,7 +116,7 @@ std::vector<double> step_ends(const Scene &scene, const Ray &ray, double end, co
 }
 
 // Light that the smoke at x scatters once into the direction `onwards`, for each metre:
-//     sum over media and lights  sigma_s rho(x) p(theta) E V(x, light) .
+//     sum over media, particles and lights  sigma_s rho(x) p(theta) E V(x, light) .
 glm::dvec3 scattered_at(const Scene &scene, const glm::dvec3 &x, const glm::dvec3 &onwards, unsigned samples_per_axis) {
     glm::dvec3 sum(0.0);
     for (const Light &light : scene.lights) {
@@ -115,6 +129,11 @@ glm::dvec3 scattered_at(const Scene &scene, const glm::dvec3 &x, const glm::dvec
                 // The light turns from the way it comes to the way on.
                 const double phase = henyey_greenstein(glm::dot(-sample.towards, onwards), double{medium.anisotropy});
                 sum += scattering(medium, x) * phase * arriving;
+            }
+            for (const Particles &particles : scene.particles) {
+                const double phase =
+                    henyey_greenstein(glm::dot(-sample.towards, onwards), double{particles.anisotropy});
+                sum += scattering(particles, x) * phase * arriving;
             }
         }
     }
@@ -135,10 +154,10 @@ glm::dvec3 in_scattered(const Scene &scene, const Ray &ray, double end, const Se
         }
         for (const double node : {-1.0 / std::numbers::sqrt3, 1.0 / std::numbers::sqrt3}) { // Gauss and Legendre
             const glm::dvec3 x = ray.at(ends[i] + (1.0 + node) * half);
-            const glm::dvec3 to_eye = before * transmittance(scene.media, start, x);
+            const glm::dvec3 to_eye = before * transmittance(scene, start, x);
             sum += half * to_eye * scattered_at(scene, x, -ray.direction, settings.light_samples_per_axis);
         }
-        before *= transmittance(scene.media, start, ray.at(ends[i + 1]));
+        before *= transmittance(scene, start, ray.at(ends[i + 1]));
     }
     return sum;
 }
@@ -148,7 +167,7 @@ glm::dvec4 radiance(const Scene &scene, const Ray &ray, const Settings &settings
     const double end = hit ? hit->distance : ray.reach;
     const glm::dvec3 colour =
         hit ? reflected(scene, *hit, settings.sun_samples_per_axis) : glm::dvec3(scene.background);
-    const glm::dvec3 through = transmittance(scene.media, ray.origin, ray.at(end));
+    const glm::dvec3 through = transmittance(scene, ray.origin, ray.at(end));
     const double alpha = hit ? 1.0 : 1.0 - (through.x + through.y + through.z) / 3.0;
     return glm::dvec4(colour * through + in_scattered(scene, ray, end, settings), alpha);
 }

@@ -17,6 +17,7 @@ namespace sfumato {
 struct Camera; // scene/scene.hpp
 struct Light;
 struct Medium;
+struct Particles;
 struct Scene;
 
 } // namespace sfumato
@@ -48,6 +49,25 @@ glm::dvec3 transmittance(std::span<const Medium> media, const glm::dvec3 &from, 
 
 // The same through one, for a ray that leaves `from` in the unit direction `towards` and never ends.
 glm::dvec3 transmittance_to_infinity(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &towards);
+
+// ---- Particles (particles.cpp) ----
+
+// What one particle takes at a point, per metre in the strongest colour: its optical depth through the middle, of
+// -ln(1 - opacity), is 4/3 R times that in its middle, from where it falls as 1 - (r / R)^2. An opacity of 1 is taken
+// for 1 - 2^-20.
+double extinction(const Particles &particles, std::size_t index, const glm::dvec3 &world);
+// All of them, in each colour: what they scatter, per metre.
+glm::dvec3 scattering(const Particles &particles, const glm::dvec3 &world);
+
+// Where along the segment from `from` (0) to `to` (1) a particle begins and ends, in order, for all that are met.
+std::vector<double> crossings(const Particles &particles, const glm::dvec3 &from, const glm::dvec3 &to);
+
+// The integral of the extinction along the segment, in each colour. Exact but for rounding.
+glm::dvec3 optical_depth(const Particles &particles, const glm::dvec3 &from, const glm::dvec3 &to);
+glm::dvec3 transmittance(const Particles &particles, const glm::dvec3 &from, const glm::dvec3 &to);
+
+// Through all smoke and particles.
+glm::dvec3 transmittance(const Scene &scene, const glm::dvec3 &from, const glm::dvec3 &to);
 
 // Henyey and Greenstein (1941), per steradian. cos_theta is the cosine between the directions in which the light
 // travels before and after it scatters, and g in (-1, 1) is its mean.

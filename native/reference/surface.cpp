@@ -2,6 +2,7 @@
 #include "reference/reference.hpp"
 #include "scene/scene.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -138,11 +139,19 @@ glm::dvec3 visibility(const Scene &scene, const glm::dvec3 &origin, const glm::d
         return glm::dvec3(0.0);
     }
     if (distance < ENDLESS) {
-        return transmittance(scene.media, origin, origin + distance * towards);
+        return transmittance(scene, origin, origin + distance * towards);
     }
     glm::dvec3 product(1.0);
     for (const Medium &medium : scene.media) {
         product *= transmittance_to_infinity(medium, origin, towards);
+    }
+    for (const Particles &particles : scene.particles) {
+        double reach = 0.0;
+        for (std::size_t i = 0; i < particles.points.size(); ++i) {
+            const double away = glm::distance(origin, glm::dvec3(particles.points[i]));
+            reach = std::max(reach, away + double{particles.radius[i]});
+        }
+        product *= transmittance(particles, origin, origin + reach * towards);
     }
     return product;
 }

@@ -77,10 +77,10 @@ struct Materials {
     std::vector<Diffuse> diffuse;     // one for each albedo; or none: Lambert's
     std::vector<Gloss> gloss;         // for each albedo equally many layers, from the top; or none
     std::vector<glm::vec3> emission;  // radiance on both sides, one for each albedo; or none. A POLYGON is its light
+    std::vector<std::uint32_t> index; // an artist's number for a compositor, one for each albedo; or none: 0
     // The share of light, of each colour, that passes straight through, one for each albedo; or none: all are opaque.
     // What the rest of it does is all that stands above.
     std::vector<glm::vec3> transmittance;
-    std::vector<std::uint32_t> index; // an artist's number for a compositor, one for each albedo; or none: 0
 };
 
 // What stands alone in the world.
@@ -118,9 +118,21 @@ struct Medium {
     Visibility visibility;      // SHOWN or UNSEEN
 };
 
+// Smoke as soft puffs, whose densities fall as 1 - (r / radius)^2 from their middles.
+struct Particles {
+    std::vector<glm::vec3> points;
+    std::vector<float> radius;     // one for each point
+    std::vector<float> opacity;    // likewise, straight through the middle, of the strongest colour
+    std::vector<glm::vec3> albedo; // of what a puff takes, the share that it scatters: one for each point, or for all
+    glm::vec3 extinction{1.0F};    // in each colour, against that in the strongest
+    float anisotropy = 0.0F;       // as a Medium's
+    Visibility visibility;         // SHOWN or UNSEEN
+};
+
 struct Scene {
     std::vector<Instances> meshes;
     std::vector<Medium> media; // where they overlap, their densities add
+    std::vector<Particles> particles; // with each other's and with those of the media, too
     std::vector<Light> lights;
     glm::vec3 background{0.0F};    // radiance where no surface is; it lights nothing
     float background_alpha = 0.0F; // 1 where the picture is to have none of another behind it

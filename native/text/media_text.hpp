@@ -14,6 +14,7 @@ struct MediaText {
 // clang-format off
 #include "../../shaders/media/phase.glsl"
 #include "../../shaders/media/medium.glsl"
+#include "../../shaders/media/puff.glsl"
 // clang-format on
 #undef float
 };

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a particle adds to the coefficients of one texel; blending sums it up.
 //
-// Across the light a particle has the profile of a puff whose density falls off as 1 - (r / R)^2: through it, at the
-// share q of R from its centre, runs (1 - q^2)^(3/2) of the column through the middle. The paper leaves this to a
-// texture.
+// Across the light a particle has the profile of a puff (puff.glsl). The paper leaves this to a texture.
 
 void main()
 {
@@ -12,7 +10,7 @@ void main()
   if (inside <= 0.0f) {
     discard;
   }
-  float column = inside * sqrt(inside);
+  float column = puff_column(inside);
 #define ADD(layer, target, weight) target = column * weight;
   EACH_LAYER(ADD)
 }

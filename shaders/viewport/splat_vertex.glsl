@@ -5,8 +5,8 @@
 // Attributes: puff, the centre in the space of the light map and the radius in metres; shape, a corner of the rectangle
 // in [-1, 1]^2 and the particle's opacity. `metre` is a metre's share of the map along its axes.
 //
-// The paper's particles are flat. Here `slab` spreads one over a slab along the light, half as wide as `slab` times its
-// radius; what of the slab lies outside the map's depths is cut off.
+// The paper's particles are flat. Here, where `extent` is 1 and not 0, one is spread over a slab along the light that
+// varies as it does; what of the slab lies outside the map's depths is cut off.
 
 void main()
 {
@@ -16,7 +16,7 @@ void main()
   vec2 corner = clamp(puff.xy + shape.xy * widened / texels, 0.0f, 1.0f);
   gl_Position = vec4(2.0f * corner - 1.0f, 0.0f, 1.0f);
 
-  float reach = slab * puff.w * metre.z;
+  float reach = extent * PUFF_SLAB * puff.w * metre.z;
   float near_z = clamp(puff.z - reach, 0.0f, 1.0f);
   float far_z = clamp(puff.z + reach, 0.0f, 1.0f);
   float width = far_z - near_z;

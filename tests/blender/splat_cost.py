@@ -40,7 +40,7 @@ void main()
   gl_Position = vec4(2.0f * (puff.xy + shape.xy * widened / texels) - 1.0f, 0.0f, 1.0f);
   footprint = vec4(puff.xy * texels, widened);
   float tau = optical_depth_of(shape.z) * (axes.x * axes.y) / (widened.x * widened.y);
-  float reach = max(slab * puff.w * metre.z, 1e-6f);
+  float reach = max(extent * PUFF_SLAB * puff.w * metre.z, 1e-6f);
   vec4 near_slice = vec4(float(4 * LAYERS) * (puff.z - reach));
   vec4 far_slice = vec4(float(4 * LAYERS) * (puff.z + reach));
   float share = tau / (2.0f * reach * float(4 * LAYERS));

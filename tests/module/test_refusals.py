@@ -82,6 +82,8 @@ VALUES: dict[str, Any] = {
     "d": [0.5],
     "path": "no such file.vdb",
     "names": ["position", "mist"],
+    "opacity": 0.5,
+    "Scene.add_particles.points": [[0, 0, 0], [0, 0, 1]],
     "RayStorage.transmittance.texels": STORAGE.store(RAYS, RAYS),
     "transmittance.coefficients": sfumato.project(RAYS, RAYS),
     "transmittance_before.coefficients": sfumato.project(RAYS, RAYS),

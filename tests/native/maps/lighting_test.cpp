@@ -42,9 +42,17 @@ struct Lit {
     Lit(const Scene &scene, int samples, const InstructionSet &with = instruction_set())
         : surfaces(scene.meshes, scene.lights, solids), media(cropped(scene)),
           grey(std::all_of(media.begin(), media.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
-          lighting(scene.lights, media, surfaces, samples) {
-        lighting.build_maps(media, surfaces, {31, 4.0}, with, parts);
+          lighting(scene.lights, bodies(), surfaces, samples) {
+        lighting.build_maps(surfaces, {31, 4.0}, with, parts);
         lighting.fill_volumes(media, grey, with, parts);
+    }
+
+    [[nodiscard]] std::vector<Body> bodies() const {
+        std::vector<Body> out;
+        for (const CroppedMedium &medium : media) {
+            out.push_back(body_of(medium));
+        }
+        return out;
     }
 
     static std::vector<CroppedMedium> cropped(const Scene &scene) {
@@ -423,7 +431,9 @@ TEST(Lighting, SkipsMapsWhereALightCannotMeetTheSmoke) {
 TEST(Lighting, TakesNoMoreSamplesThanTheShadowOfTheSmokeAsksFor) {
     Scene scene = smoke();
     const Lit lit(scene, 1);
-    const auto count = [&](const Light &light) { return light_samples(view_of(light, 0.1), lit.media, 16).size(); };
+    const auto count = [&](const Light &light) {
+        return light_samples(view_of(light, 0.1), lit.lighting.bodies(), 16).size();
+    };
     const glm::vec3 white(1.0F), far(0.0F, 0.0F, 100.0F);
     EXPECT_EQ(count(sun_light({0, 0, -1}, white)), 1U);
     EXPECT_EQ(count(sun_light({0, 0, -1}, white, 0.009F)), 1U);
@@ -445,7 +455,7 @@ TEST(Lighting, SpreadsSamplesEvenlyOverALight) {
         const double share = light.kind == Light::Kind::RECTANGLE ? 1.0 / 3.0 : 1.0 / 4.0;
         const double expected = share * (light.kind == Light::Kind::SPHERE ? 4.0 + 4.0 : 4.0 + 9.0);
         for (const int most : {2, 3, 16, 64}) {
-            const std::vector<glm::vec3> samples = light_samples(view_of(light, 0.1), lit.media, most);
+            const std::vector<glm::vec3> samples = light_samples(view_of(light, 0.1), lit.lighting.bodies(), most);
             ASSERT_EQ(samples.size(), std::size_t(most));
             glm::dvec3 mean(0.0);
             double variance = 0.0;
@@ -459,7 +469,7 @@ TEST(Lighting, SpreadsSamplesEvenlyOverALight) {
     }
     const auto middle = [&](const Light &light, int most) {
         glm::vec3 sum(0.0F);
-        for (const glm::vec3 &sample : light_samples(view_of(light, 0.1), lit.media, most)) {
+        for (const glm::vec3 &sample : light_samples(view_of(light, 0.1), lit.lighting.bodies(), most)) {
             sum += sample / static_cast<float>(most);
         }
         return sum;

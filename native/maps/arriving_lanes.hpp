@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What of one light reaches places in smoke.
+#pragma once
+
+#include "lights/lights_lanes.hpp"
+#include "maps/map_kernels.hpp"
+#include "maps/sampling.hpp"
+#include "text/rays_text.hpp"
+
+#include <cstddef>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+// The share of light that solids keep back: 0 before the first solid of each texel, 1 behind, filtered bilinearly
+// (Reeves, Salesin and Cook 1987). The softening over one texel stands for a small light's extent.
+inline Real solid_occlusion(const LightMapView &map, const Texels &texels, Real z) {
+    Real occluded[4];
+    for (int t = 0; t < 4; ++t) {
+        occluded[t] = pick(z < gather(map.solid_depth, texels.at[t]), 0.0F, 1.0F);
+    }
+    return bilinear(texels, occluded);
+}
+
+struct Arriving {
+    Real optical_depth[3];
+    Real share; // of the light's falloff() that gets past solids and the edges of its cone
+};
+
+// Averages over the light's samples: of what each brings, what solids let through, and of that what smoke lets through,
+// as the optical depth of the mean transmittance. Behind solids nothing arrives, but between a lit cell and one behind
+// a solid the smoke's own depth is what must be interpolated: there it is taken without the solids.
+inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
+    const LightView &light = *at.light;
+    const int colours = at.grey ? 1 : 3;
+    const auto bodies = static_cast<std::ptrdiff_t>(at.extinctions.size());
+    Real past_solids = 0.0F, sent = 0.0F;
+    Real past_smoke[3] = {0.0F, 0.0F, 0.0F}, unblocked[3] = {0.0F, 0.0F, 0.0F};
+    Arriving out;
+    for (std::size_t j = 0; j < light.samples.size(); ++j) {
+        const LightMapView *maps = light.maps + static_cast<std::ptrdiff_t>(j) * bodies;
+        const Real weight = sample_share(light, light.samples[j], world);
+        Real visible = weight;
+        Real depth[3] = {0.0F, 0.0F, 0.0F};
+        for (int m = 0; m < bodies; ++m) {
+            if (maps[m].empty()) {
+                continue;
+            }
+            const vec3 place = place_on(maps[m], world);
+            const Texels texels = locate(maps[m], place.x, place.y);
+            const glm::vec3 &extinction = at.extinctions[static_cast<std::size_t>(m)];
+            add_optical_depth(maps[m], texels, place, &extinction.x, colours, depth);
+            if (m == at.own) {
+                visible = weight * (1.0F - solid_occlusion(maps[m], texels, place.z));
+            }
+        }
+        past_solids = past_solids + visible;
+        sent = sent + weight;
+        for (int c = 0; c < colours; ++c) {
+            out.optical_depth[c] = depth[c];
+            if (light.samples.size() > 1) {
+                const Real left = RaysText().transmittance_of(depth[c]);
+                past_smoke[c] = past_smoke[c] + visible * left;
+                unblocked[c] = unblocked[c] + weight * left;
+            }
+        }
+    }
+    out.share = past_solids;
+    if (light.samples.size() > 1) {
+        constexpr float LITTLE = 1e-6F, DARK = 1e-12F;
+        for (int c = 0; c < colours; ++c) {
+            const Real open = max(unblocked[c], DARK) / max(sent, DARK);
+            const Real behind = max(past_smoke[c], DARK) / max(past_solids, DARK);
+            out.optical_depth[c] = max(-log(pick(past_solids > sent * LITTLE, behind, open)), 0.0F);
+        }
+    }
+    return out;
+}
+
+} // namespace
+} // namespace sfumato::SFUMATO_ISA

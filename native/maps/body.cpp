@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "maps/body.hpp"
+
+#include "maps/light_map.hpp"
+#include "media/medium.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace sfumato {
+
+std::array<glm::dvec3, 8> Body::corners() const {
+    std::array<glm::dvec3, 8> out;
+    for (std::size_t i = 0; i < 8; ++i) {
+        const glm::dvec3 upper((i & 1) != 0 ? 1.0 : 0.0, (i & 2) != 0 ? 1.0 : 0.0, (i & 4) != 0 ? 1.0 : 0.0);
+        out[i] = glm::dvec3(cells_to_world * glm::dvec4(upper * cells, 1.0));
+    }
+    return out;
+}
+
+Body body_of(const CroppedMedium &medium) {
+    Body body;
+    body.cells_to_world = medium.grid_to_world;
+    body.cells = glm::dvec3(medium.grid->resolution);
+    body.cell_size = medium.cell_size;
+    body.extinction = medium.extinction;
+    body.visibility = medium.visibility;
+    body.identify = [grid = medium.grid, place = medium.grid_to_world, strongest = medium.strongest()](Key &key) {
+        key.part(grid).number(strongest).numbers(std::span<const double>(&place[0].x, 16));
+    };
+    body.project = [grid = medium.grid, place = medium.grid_to_world,
+                    strongest = medium.strongest()](LightMap plan, const InstructionSet &with) {
+        return projected(std::move(plan), *grid, place, strongest, with);
+    };
+    return body;
+}
+
+Ball ball_of(const Body &body) {
+    Ball ball{glm::dvec3(body.cells_to_world * glm::dvec4(0.5 * body.cells, 1.0)), 0.0};
+    for (const glm::dvec3 &corner : body.corners()) {
+        ball.radius = std::max(ball.radius, glm::distance(ball.middle, corner));
+    }
+    return ball;
+}
+
+} // namespace sfumato

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What takes light on its way, as light maps see it: a grid, particles, or whatever else has a column density along a
+// light ray.
+#pragma once
+
+#include "scene/kept.hpp"
+#include "scene/visibility.hpp"
+#include "text/dispatch.hpp"
+
+#include <array>
+#include <functional>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+namespace sfumato {
+
+struct CroppedMedium; // media/medium.hpp
+struct LightMap;      // maps/light_map.hpp
+
+struct Body {
+    // A box of cells around it, as fine as its shadow.
+    glm::dmat4 cells_to_world{1.0};
+    glm::dvec3 cells{0.0};
+    double cell_size = 0.0;     // the shortest edge, metres
+    glm::vec3 extinction{0.0F}; // per unit of column density
+    Visibility visibility;
+    // What its columns are made of; and a plan's map of them. Both may be called on any thread, at any later time.
+    std::function<void(Key &)> identify;
+    std::function<LightMap(LightMap plan, const InstructionSet &with)> project;
+
+    [[nodiscard]] bool grey() const { return extinction.x == extinction.y && extinction.y == extinction.z; }
+    [[nodiscard]] std::array<glm::dvec3, 8> corners() const;
+};
+
+Body body_of(const CroppedMedium &medium);
+
+// A sphere around a body.
+struct Ball {
+    glm::dvec3 middle{0.0};
+    double radius = 0.0;
+};
+Ball ball_of(const Body &body);
+
+} // namespace sfumato

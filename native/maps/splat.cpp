@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "maps/splat.hpp"
+
+#include "maps/column_rays.hpp"
+#include "maps/map_kernels.hpp"
+#include "rays/bins.hpp"
+#include "text/lights_text.hpp"
+#include "text/media_text.hpp"
+#include "text/rays_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace sfumato {
+namespace {
+
+using LightsText = text::LightsText<float>;
+using MediaText = text::MediaText<float>;
+using RaysText = text::RaysText<float>;
+
+// A puff on a map, and the texels that it touches.
+struct Projected {
+    SplatPuff puff;
+    Footprint footprint{1.0F, 0.0F, 1.0F, 0.0F};
+};
+
+// Widened to what texels can show, it takes as much light in all.
+SplatPuff widened(const Puff &puff, const glm::vec3 &place, float radius, float least, float per_metre) {
+    const float wide = std::max(radius, least), share = radius / wide;
+    return {place.x, place.y, place.z, 1.0F / wide, puff.radius * per_metre, puff.depth * share * share};
+}
+
+class ParallelPlane {
+public:
+    explicit ParallelPlane(const LightMap &map)
+        : to_texels_(glm::scale(glm::dmat4(1.0), glm::dvec3(map.size, 1.0)) * map.world_to_light),
+          per_metre_(static_cast<float>(1.0 / map.length)) {
+        // Texels are squares.
+        texels_ = static_cast<float>(glm::length(glm::dvec3(glm::transpose(to_texels_)[0])));
+    }
+
+    [[nodiscard]] Projected project(const Puff &puff) const {
+        const glm::vec3 place(to_texels_ * glm::dvec4(puff.middle, 1.0));
+        Projected out{widened(puff, place, puff.radius * texels_, LEAST_RADIUS, per_metre_)};
+        const float reach = 1.0F / out.puff.per_radius;
+        out.footprint = {place.x - reach, place.x + reach, place.y - reach, place.y + reach};
+        return out;
+    }
+
+private:
+    glm::dmat4 to_texels_; // across; along, the map's depth
+    float per_metre_, texels_;
+};
+
+// Of a map around a place.
+class RadialPlane {
+public:
+    explicit RadialPlane(const LightMap &map)
+        : to_light_(map.world_to_light), low_(map.low), high_(map.high), size_(map.size),
+          texel_(std::max((high_.x - low_.x) / size_.x, (high_.y - low_.y) / size_.y)) {}
+
+    [[nodiscard]] Projected project(const Puff &puff) const {
+        const glm::dvec3 place(to_light_ * glm::dvec4(puff.middle, 1.0));
+        const double distance = glm::length(place);
+        const glm::dvec3 towards = distance > 0.0 ? place / distance : glm::dvec3(0.0, 0.0, 1.0);
+        // On a face of the octahedron texels see more the nearer they are to its middle.
+        const double texel = texel_ * std::pow(std::abs(towards.x) + std::abs(towards.y) + std::abs(towards.z), 1.5);
+        const auto least = static_cast<float>(double{LEAST_RADIUS} * texel * distance);
+        Projected out{widened(puff, glm::vec3(place), puff.radius, least, 1.0F)};
+        out.footprint = footprint(towards, distance, 1.0 / double{out.puff.per_radius});
+        return out;
+    }
+
+private:
+    // Of a cap around a direction: the box of its rim, with room for what bends between the points that are looked at;
+    // or everything, where a seam of the octahedron is near.
+    [[nodiscard]] Footprint footprint(const glm::dvec3 &towards, double distance, double radius) const {
+        constexpr double WIDEST = 0.9; // sine of half the cap's angle
+        constexpr int POINTS = 8;
+        constexpr double ROOM = 1.25; // of a circle's points the outermost may lie 8 % inside
+        const double sine = ROOM * radius / std::max(distance, 1e-30);
+        const bool seam =
+            sine > WIDEST || (towards.z < sine && (std::abs(towards.x) < sine || std::abs(towards.y) < sine));
+        if (seam) {
+            return {0.0F, static_cast<float>(size_.x), 0.0F, static_cast<float>(size_.y)};
+        }
+        const double cosine = std::sqrt(1.0 - sine * sine);
+        const glm::dvec3 helper = std::abs(towards.z) < 0.9 ? glm::dvec3(0.0, 0.0, 1.0) : glm::dvec3(0.0, 1.0, 0.0);
+        const glm::dvec3 across = glm::normalize(glm::cross(helper, towards)), up = glm::cross(towards, across);
+        constexpr float FAR = std::numeric_limits<float>::max();
+        Footprint out{FAR, -FAR, FAR, -FAR};
+        for (int i = 0; i < POINTS; ++i) {
+            const double angle = 6.283185307179586 * i / POINTS;
+            const glm::dvec3 rim = towards * cosine + (across * std::cos(angle) + up * std::sin(angle)) * sine;
+            const LightsText::Octahedral at = LightsText().octahedral(glm::vec3(rim));
+            const auto x = static_cast<float>((double{at.x} - low_.x) / (high_.x - low_.x) * size_.x);
+            const auto y = static_cast<float>((double{at.y} - low_.y) / (high_.y - low_.y) * size_.y);
+            out = {std::min(out.low_x, x), std::max(out.high_x, x), std::min(out.low_y, y), std::max(out.high_y, y)};
+        }
+        return out;
+    }
+
+    glm::dmat4 to_light_;
+    glm::dvec3 low_, high_;
+    glm::dvec2 size_;
+    double texel_; // radians, in the middle of the map
+};
+
+// Puffs on a map, binned.
+struct Splatted {
+    std::vector<SplatPuff> puffs;
+    std::vector<float> weights;
+    Bins bins;
+    Splat<SplatPuff> view;
+
+    Splatted(const LightMap &map, std::span<const Puff> all) {
+        puffs.resize(all.size());
+        std::vector<Footprint> footprints(all.size());
+        const auto project = [&](const auto &plane) {
+            oneapi::tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+                const Projected projected = plane.project(all[i]);
+                puffs[i] = projected.puff;
+                footprints[i] = projected.footprint;
+            });
+        };
+        map.radial ? project(RadialPlane(map)) : project(ParallelPlane(map));
+        bins = Bins(footprints, {}, map.size.x, map.size.y);
+        if (map.shared && !map.radial && map.harmonic() && map.series.name == FOURIER && map.series.count == 7) {
+            weigh();
+        }
+        view.map = map.view();
+        view.bins = bins.view();
+        view.primitives = puffs.data();
+        view.weights = weights.empty() ? nullptr : weights.data();
+    }
+
+private:
+    // As shaders/viewport/splat_vertex.glsl does.
+    void weigh() {
+        constexpr std::size_t WEIGHTS = Splat<SplatPuff>::WEIGHTS;
+        weights.resize(WEIGHTS * puffs.size());
+        oneapi::tbb::parallel_for(std::size_t{0}, puffs.size(), [&](std::size_t i) {
+            const SplatPuff &puff = puffs[i];
+            float *weight = weights.data() + WEIGHTS * i;
+            const RaysText::Harmonic first = RaysText().harmonic(1.0F, puff.z);
+            RaysText::Harmonic here = first;
+            *weight++ = puff.column;
+            for (int k = 1; k <= 3; ++k) {
+                const float number = 6.28318530717958648F * static_cast<float>(k);
+                const float thick = RaysText().slab_factor(static_cast<float>(k), 2.0F * PUFF_SLAB * puff.half);
+                *weight++ = RaysText().project_cosine(puff.column, here, thick) / number;
+                *weight++ = RaysText().project_sine(puff.column, here, thick) / number;
+                here = RaysText().next_harmonic(here, first);
+            }
+        });
+    }
+};
+
+int blocks(int texels) {
+    return (texels + Bins::EDGE - 1) / Bins::EDGE;
+}
+
+// One ray of what a packet meets. A chord's density is that of three flat absorbers (Gauss and Legendre's rule with the
+// density for a weight).
+void take_ray(const SplatAbsorbers &met, bool shared, std::size_t lane, std::size_t lanes, ColumnRay &ray) {
+    constexpr std::array<std::array<float, 2>, 3> NODES = {
+        {{-0.654653671F, 7.0F / 30.0F}, {0.0F, 16.0F / 30.0F}, {0.654653671F, 7.0F / 30.0F}}};
+    ray.depth.clear();
+    ray.column.clear();
+    ray.total = 0.0F;
+    float low = std::numeric_limits<float>::max(), high = -low;
+    for (std::size_t i = lane; i < met.count * lanes; i += lanes) {
+        const float column = met.column[i], depth = met.depth[i], half = met.half[i];
+        if (!(column > 0.0F)) {
+            continue;
+        }
+        for (const auto &[place, share] : NODES) {
+            ray.depth.push_back(std::clamp(depth + place * half, 0.0F, 1.0F));
+            ray.column.push_back(column * share);
+        }
+        ray.total += column;
+        low = std::min(low, depth - half);
+        high = std::max(high, depth + half);
+    }
+    const bool own = ray.total > 0.0F && !shared;
+    const RaysText::DepthRange range = own ? RaysText().padded_range(low, high) : RaysText::DepthRange{0.0F, 1.0F};
+    ray.range.low = std::max(range.low, 0.0F);
+    ray.range.high = std::max(std::min(range.high, 1.0F), ray.range.low + 1e-4F);
+}
+
+LightMap splatted(LightMap map, std::span<const Puff> puffs, const InstructionSet &with) {
+    Splatted splat(map, puffs);
+    const MapKernels &kernels = map_kernels(with);
+    const int columns = blocks(map.size.x), rows = blocks(map.size.y);
+    if (map.harmonic()) {
+        map.coefficients.resize(map.texels() * static_cast<std::size_t>(map.view().stride()));
+        splat.view.coefficients = map.coefficients.data();
+        oneapi::tbb::parallel_for(
+            0, columns * rows, [&](int block) { kernels.splat_puffs(splat.view, block % columns, block / columns); });
+        blur(map);
+        return map;
+    }
+    ColumnRays rays;
+    rays.strips = columns * rows;
+    rays.for_rays = [&, lanes = static_cast<std::size_t>(with.lanes), size = map.size](int block, const UseRay &use) {
+        SplatAbsorbers met;
+        ColumnRay ray;
+        const int packets = Bins::EDGE * Bins::EDGE / with.lanes;
+        for (int packet = 0; packet < packets; ++packet) {
+            kernels.meet_puffs(splat.view, block % columns, block / columns, packet, met);
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                const int number = packet * with.lanes + static_cast<int>(lane);
+                const int x = block % columns * Bins::EDGE + number % Bins::EDGE;
+                const int y = block / columns * Bins::EDGE + number / Bins::EDGE;
+                if (x < size.x && y < size.y) {
+                    take_ray(met, map.shared, lane, lanes, ray);
+                    use(static_cast<std::size_t>(y * size.x + x), ray);
+                }
+            }
+        }
+    };
+    fill(map, rays);
+    return map;
+}
+
+} // namespace
+
+Body body_of(const std::shared_ptr<const Puffs> &puffs, std::size_t number) {
+    const Puffs::Body &of = puffs->bodies[number];
+    const glm::dvec3 extent(of.high - of.low);
+    Body body;
+    body.cell_size = of.detail;
+    body.cells = extent / of.detail;
+    body.cells_to_world = glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(of.low)), glm::dvec3(of.detail));
+    body.extinction = of.extinction;
+    body.visibility = of.visibility;
+    body.identify = [content = of.content](Key &key) { key.number(content[0], content[1]); };
+    body.project = [puffs, number](LightMap plan, const InstructionSet &with) {
+        return splatted(std::move(plan), puffs->of(puffs->bodies[number]), with);
+    };
+    return body;
+}
+
+} // namespace sfumato
