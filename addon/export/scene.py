@@ -242,6 +242,9 @@ def _group_of(thing: Any, depsgraph: Any, parts: Parts, notices: list[str]) -> _
     return _Group(thing.name, mesh, found, meshes.triangles_of(thing, len(found)) if glows else None, indices)
 
 
+_WHOLE = {"holdout": "a Holdout", "catcher": "a Shadow Catcher"}
+
+
 def add_surfaces(
     out: Export,
     group: _Group,
@@ -259,6 +262,9 @@ def add_surfaces(
         out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
         places = places[usable]
     emission = np.array([surface.emission for surface in group.surfaces])
+    transmittance = surfaces.transmittances(group.surfaces)
+    if transmittance is not None and seen is not None and seen.seen in _WHOLE:
+        out.notices.append(f"{group.name}: it lets light through, but is {_WHOLE[seen.seen]} as if it did not")
     try:
         out.scene.add_instances(
             group.mesh,
@@ -270,7 +276,7 @@ def add_surfaces(
             object_index=indices,
             material_index=np.array(group.material_indices, dtype=np.float64),
             visibility=visibility.native(seen),
-            transmittance=surfaces.transmittances(group.surfaces),
+            transmittance=transmittance,
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")

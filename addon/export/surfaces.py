@@ -318,7 +318,9 @@ def _dimmed(surface: Surface, material: Any, owner: str, notices: list[str]) -> 
     through = surface.transmittance
     if through.max() > 1.0:
         shown = ", ".join(f"{part:.3g}" for part in np.minimum(through, 1.0))
-        notices.append(f"{owner}: it makes light that passes through it brighter, which is not shown; it lets ({shown}) through")
+        notices.append(
+            f"{owner}: it makes light that passes through it brighter, which is not shown; it lets ({shown}) through"
+        )
         surface = replace(surface, transmittance=np.minimum(through, 1.0))
     if through.any() and not compat.has_transparent_shadow(material):
         notices.append(f"{owner}: its Transparent Shadows, which are off, are shown as on")

@@ -52,6 +52,7 @@ constexpr std::array PARTS = {
     PartStage{"solids", [](const Scene & /*scene*/, const Content & /*content*/) { return true; },
               [](const Making &making, Content &content) {
                   content.surfaces.emplace(making.scene.meshes, making.scene.lights, making.prepared.solids);
+                  content.grey = content.surfaces->dims_greyly();
               }},
     PartStage{"smoke", [](const Scene &scene, const Content & /*content*/) { return !scene.media.empty(); },
               [](const Making &making, Content &content) {

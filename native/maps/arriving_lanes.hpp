@@ -7,7 +7,9 @@
 #include "maps/sampling.hpp"
 #include "text/rays_text.hpp"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
@@ -22,14 +24,39 @@ inline Real solid_occlusion(const LightMapView &map, const Texels &texels, Real 
     return bilinear(texels, occluded);
 }
 
+// What sheets before a depth leave of each colour of light, filtered as solids are.
+inline void left_by_sheets(const LightMapView &map, const Texels &texels, Real z, int colours, Real out[3]) {
+    alignas(64) float depth[LANES], left[3][4][LANES];
+    z.store_aligned(depth);
+    for (int t = 0; t < 4; ++t) {
+        alignas(64) std::int32_t at[LANES];
+        texels.at[t].store_aligned(at);
+        for (int lane = 0; lane < LANES; ++lane) {
+            const std::uint32_t *const first = map.sheets.first + at[lane];
+            const float *const begin = map.sheets.depth + first[0], *const end = map.sheets.depth + first[1];
+            const float *const behind = std::upper_bound(begin, end, depth[lane]);
+            for (int c = 0; c < colours; ++c) {
+                left[c][t][lane] = behind == begin ? 1.0F : map.sheets.left[3 * (behind - map.sheets.depth - 1) + c];
+            }
+        }
+    }
+    for (int c = 0; c < colours; ++c) {
+        Real values[4];
+        for (int t = 0; t < 4; ++t) {
+            values[t] = Real::load_aligned(left[c][t]);
+        }
+        out[c] = bilinear(texels, values);
+    }
+}
+
 struct Arriving {
     Real optical_depth[3];
     Real share; // of the light's falloff() that gets past solids and the edges of its cone
 };
 
-// Averages over the light's samples: of what each brings, what solids let through, and of that what smoke lets through,
-// as the optical depth of the mean transmittance. Behind solids nothing arrives, but between a lit cell and one behind
-// a solid the smoke's own depth is what must be interpolated: there it is taken without the solids.
+// Averages over the light's samples: of what each brings, what solids let through, and of that what smoke and sheets
+// let through, as the optical depth of the mean transmittance. Behind solids nothing arrives, but between a lit cell
+// and one behind a solid the smoke's own depth is what must be interpolated: there it is taken without the solids.
 inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
     const LightView &light = *at.light;
     const int colours = at.grey ? 1 : 3;
@@ -52,6 +79,13 @@ inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
             add_optical_depth(maps[m], texels, place, &extinction.x, colours, depth);
             if (m == at.own) {
                 visible = weight * (1.0F - solid_occlusion(maps[m], texels, place.z));
+                if (maps[m].sheets.first != nullptr) {
+                    Real left[3];
+                    left_by_sheets(maps[m], texels, place.z, colours, left);
+                    for (int c = 0; c < colours; ++c) {
+                        depth[c] = depth[c] - log(max(left[c], 1e-12F));
+                    }
+                }
             }
         }
         past_solids = past_solids + visible;

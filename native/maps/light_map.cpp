@@ -4,9 +4,9 @@
 #include "lights/light.hpp"
 #include "maps/map_filter.hpp"
 #include "maps/map_kernels.hpp"
+#include "maps/sheet_depths.hpp"
 #include "rays/ray_kernels.hpp"
 #include "scene/affine.hpp"
-#include "solids/embree.hpp"
 #include "text/lights_text.hpp"
 
 #include <algorithm>
@@ -26,41 +26,6 @@ namespace {
 using LightsText = text::LightsText<float>;
 
 constexpr int MOST_SLICES = 32768;
-
-// The ray of a texel in the world: from depth 0 of the map, one depth long.
-struct TexelRay {
-    glm::dvec3 origin, along;
-};
-
-TexelRay texel_ray(const LightMap &map, const glm::dmat4 &light_to_world, int x, int y) {
-    const glm::dvec2 place((x + 0.5) / map.size.x, (y + 0.5) / map.size.y);
-    if (!map.radial) {
-        return {glm::dvec3(light_to_world * glm::dvec4(place, 0.0, 1.0)), glm::dvec3(light_to_world[2])};
-    }
-    const glm::dvec2 square = glm::dvec2(map.low) + place * glm::dvec2(map.high - map.low);
-    const glm::vec3 local =
-        LightsText().octahedral_direction({static_cast<float>(square.x), static_cast<float>(square.y)});
-    const glm::dvec3 direction = glm::dmat3(light_to_world) * glm::dvec3(local);
-    return {glm::dvec3(light_to_world[3]) + map.low.z * direction, (map.high.z - map.low.z) * direction};
-}
-
-// The map depth of the first place at which a solid could stand between light and smoke.
-double nearest_solid(const LightMap &map, const RayScene &solids, double nearest_distance) {
-    if (map.radial) {
-        return (nearest_distance - map.low.z) / (map.high.z - map.low.z);
-    }
-    RTCBounds bounds;
-    rtcGetSceneBounds(solids.scene, &bounds);
-    const glm::dvec3 low(bounds.lower_x, bounds.lower_y, bounds.lower_z);
-    const glm::dvec3 high(bounds.upper_x, bounds.upper_y, bounds.upper_z);
-    double nearest = 0.0; // of the solids' corner that is nearest to the light
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 p((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
-                           (corner & 4) != 0 ? high.z : low.z);
-        nearest = std::min(nearest, (map.world_to_light * glm::dvec4(p, 1.0)).z - 1e-3);
-    }
-    return nearest;
-}
 
 // The eight corners of the body's box, taken through `to`.
 std::array<glm::dvec3, 8> corners_of(const Body &body, const glm::dmat4 &to) {
@@ -122,8 +87,11 @@ LightMap planned(const Body &body, const LightMapSettings &settings) {
 
 } // namespace
 
-LightMapView LightMap::view(const SolidDepths *solids) const {
+LightMapView LightMap::view(const SolidDepths *solids, const SheetDepths *sheets) const {
     LightMapView view;
+    if (sheets != nullptr && !sheets->depth.empty()) {
+        view.sheets = {sheets->first.data(), sheets->depth.data(), &sheets->left.front().x};
+    }
     view.coefficients = coefficients.empty() ? nullptr : coefficients.data();
     view.solid_depth = solids == nullptr ? nullptr : solids->data();
     view.count = static_cast<int>(series.count);
@@ -152,28 +120,6 @@ void LightMap::look_up(std::span<const float> points, std::span<float> columns, 
         map_kernels().look_up(view(), points.data() + static_cast<std::ptrdiff_t>(first) * 3, columns.data() + first,
                               std::min(CHUNK, total - first), colour);
     });
-}
-
-SolidDepths find_solids(const LightMap &map, const RayScene &solids, double nearest_distance) {
-    SolidDepths depths(map.texels(), std::numeric_limits<float>::max());
-    if (solids.scene == nullptr) {
-        return depths;
-    }
-    const double nearest = nearest_solid(map, solids, nearest_distance);
-    const glm::dmat4 light_to_world = glm::inverse(map.world_to_light);
-    oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
-        for (int x = 0; x < map.size.x; ++x) {
-            const TexelRay ray = texel_ray(map, light_to_world, x, y);
-            const double length = glm::length(ray.along);
-            const float hit =
-                first_hit(solids.scene, glm::vec3(ray.origin + nearest * ray.along), glm::vec3(ray.along / length));
-            if (std::isfinite(hit)) {
-                depths[static_cast<std::size_t>(y * map.size.x + x)] =
-                    static_cast<float>(nearest + static_cast<double>(hit) / length);
-            }
-        }
-    });
-    return depths;
 }
 
 LightMap plan_parallel_map(const Body &body, const glm::dvec3 &direction, const LightMapSettings &settings) {

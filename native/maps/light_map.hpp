@@ -20,6 +20,8 @@ namespace sfumato {
 // Along each texel's ray, in the map's depth, where the first solid stands; huge where none does.
 using SolidDepths = std::vector<float>;
 
+struct SheetDepths; // maps/sheet_depths.hpp
+
 struct LightMap {
     Series series{COSINE, 15, {}}; // a learned basis has its tables once it is projected
     bool shared = false;           // whether one range of depth serves all rays
@@ -36,8 +38,8 @@ struct LightMap {
     int colours = 1;                  // of the curves
     glm::vec3 extinction{0.0F};       // that they hold
 
-    // With the depths of its solids, where they are known.
-    [[nodiscard]] LightMapView view(const SolidDepths *solids = nullptr) const;
+    // With the depths of its solids and sheets, where they are known.
+    [[nodiscard]] LightMapView view(const SolidDepths *solids = nullptr, const SheetDepths *sheets = nullptr) const;
     [[nodiscard]] std::size_t texels() const {
         return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
     }

@@ -49,6 +49,7 @@ MediaViews views_of(std::span<const CroppedMedium> media, double step_length) {
 void LightParts::end_round() {
     maps.end_round();
     solids.end_round();
+    sheets.end_round();
     volumes.end_round();
 }
 
@@ -95,8 +96,9 @@ void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &sett
             for (const Body &body : bodies_) {
                 map.blur = map.shared ? shadow_blur(views_[i], body) : 0.0;
                 made.push_back(build_map(views_[i], glm::dvec3(sample), body, surfaces, map, with, parts));
-                map_views.push_back(made.back().columns ? made.back().columns->view(made.back().solids.get())
-                                                        : LightMapView{});
+                map_views.push_back(made.back().columns
+                                        ? made.back().columns->view(made.back().solids.get(), made.back().sheets.get())
+                                        : LightMapView{});
             }
         }
     }
@@ -119,7 +121,7 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
     rays.number(plan.size.x, plan.size.y, plan.slices, static_cast<int>(plan.radial));
     rays.numbers(std::span<const double>(&plan.world_to_light[0].x, 16));
     rays.numbers(std::span<const double>(&plan.low.x, 3)).numbers(std::span<const double>(&plan.high.x, 3));
-    Key columns = rays, solids = rays;
+    Key columns = rays, solids = rays, sheets = rays;
     body.identify(columns);
     columns.number(plan.series.name, plan.series.count, plan.shared, plan.curved, plan.blur);
     if (plan.curved) {
@@ -130,6 +132,11 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
     columns.number(hides);
     Map map;
     map.solids = parts.solids.get(solids, [&] { return find_solids(plan, light.solids, nearest); });
+    if (light.sheets.scene != nullptr) {
+        sheets.part(surfaces.dimming(light)).number(nearest).numbers(surfaces.transmittances());
+        map.sheets =
+            parts.sheets.get(sheets, [&] { return find_sheets(plan, surfaces.view(), light.sheets, nearest); });
+    }
     map.columns =
         parts.maps.get(columns, [&] { return hides ? body.project(std::move(plan), with) : std::move(plan); });
     return map;
@@ -149,7 +156,7 @@ Key Lighting::arriving_key(std::size_t light, std::size_t own, bool grey) const 
         key.numbers(std::span<const float>(&samples_[light].front().x, 3 * samples_[light].size()));
     }
     for (const Map &map : maps_[light]) {
-        key.part(map.columns).part(map.solids);
+        key.part(map.columns).part(map.solids).part(map.sheets);
     }
     key.number(lights_smoke(view, bodies_[own]), own);
     key.numbers(std::span<const float>(&extinctions_.front().x, 3 * extinctions_.size()));

@@ -4,6 +4,7 @@
 
 #include "lights/light.hpp"
 #include "maps/light_map.hpp"
+#include "maps/sheet_depths.hpp"
 #include "media/medium.hpp"
 #include "scene/kept.hpp"
 #include "solids/surfaces.hpp"
@@ -18,6 +19,7 @@ namespace sfumato {
 struct LightParts {
     Kept<LightMap> maps;
     Kept<SolidDepths> solids;
+    Kept<SheetDepths> sheets;
     Kept<LightVolume> volumes;
 
     void end_round();
@@ -44,10 +46,12 @@ public:
     [[nodiscard]] const LightMap *map(std::size_t light, std::size_t sample, std::size_t body) const;
 
 private:
-    // A map of one body from one sample of a light; both null where that light cannot meet it.
+    // A map of one body from one sample of a light; all null where that light cannot meet it, and the last where no
+    // sheet dims it.
     struct Map {
         std::shared_ptr<const LightMap> columns;
         std::shared_ptr<const SolidDepths> solids;
+        std::shared_ptr<const SheetDepths> sheets;
     };
 
     [[nodiscard]] static Map build_map(const LightView &light, const glm::dvec3 &sample, const Body &body,

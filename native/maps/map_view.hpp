@@ -8,6 +8,13 @@
 
 namespace sfumato {
 
+// What stands on the rays of a map and lets light through: SheetDepths. Null where nothing does. Owns nothing.
+struct SheetsOnMap {
+    const std::uint32_t *first = nullptr;
+    const float *depth = nullptr;
+    const float *left = nullptr; // three colours each
+};
+
 // A light map: of each texel's ray the column density as a series of `count` coefficients (rays/basis.hpp), and the
 // depth of the first solid on it (infinite where there is none). A texel is
 //     where each ray has its own range:  the total, where the range begins, one over its extent, then `count` - 1
@@ -29,6 +36,7 @@ struct LightMapView {
 
     const float *coefficients = nullptr;
     const float *solid_depth = nullptr;
+    SheetsOnMap sheets;
     int count = 1;
     int width = 0, height = 0;
     bool radial = false;

@@ -306,6 +306,9 @@ Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> ligh
         }
         const auto first_material = static_cast<std::int32_t>(properties_.size() / material_row::FLOATS);
         append_rows(mesh.materials, solids, properties_);
+        for (const glm::vec3 &left : mesh.materials.transmittance) {
+            transmittances_.insert(transmittances_.end(), {left.x, left.y, left.z});
+        }
         tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
         for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
             views_.push_back(view_of(*mesh.shape, mesh.to_world[i], first_material));
@@ -313,6 +316,15 @@ Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> ligh
             views_.back().visibility = mesh.visibility;
         }
     }
+}
+
+bool Surfaces::dims_greyly() const {
+    for (std::size_t i = 0; i < transmittances_.size(); i += 3) {
+        if (transmittances_[i] != transmittances_[i + 1] || transmittances_[i] != transmittances_[i + 2]) {
+            return false;
+        }
+    }
+    return true;
 }
 
 RayScene view_of(const std::shared_ptr<const Places> &places) {

@@ -88,6 +88,9 @@ public:
     // Whether none that the camera sees is a holdout or a catcher; whether it sees any sheet.
     [[nodiscard]] bool opaque() const { return opaque_; }
     [[nodiscard]] bool sheets() const { return sheets_ != nullptr; }
+    // Of each material in turn the three colours, where any dims a light; and whether all of these are grey.
+    [[nodiscard]] std::span<const float> transmittances() const { return transmittances_; }
+    [[nodiscard]] bool dims_greyly() const;
     // What hides a light from others, and what dims it; null where nothing does.
     [[nodiscard]] std::shared_ptr<const Places> hiding(const Light &light) const;
     [[nodiscard]] std::shared_ptr<const Places> dimming(const Light &light) const;
@@ -98,6 +101,7 @@ private:
     bool plain_ = true, opaque_ = true;
     std::vector<PlaceView> views_;  // of each place
     std::vector<float> properties_; // of materials
+    std::vector<float> transmittances_;
     bool tangents_ = false;
 };
 

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from sfumato import Camera, Frame, Mesh, Reach, Scene, Visibility
 
@@ -27,13 +28,13 @@ def place(z: float, scale: float = 1.0, x: float = 0.0) -> NDArray[np.float64]:
     return matrix
 
 
-def add(scene: Scene, z: float, through: ArrayLike, glow: ArrayLike = (0, 0, 0), **more: Any) -> None:
+def add(scene: Scene, z: float, through: Any, glow: Any = (0, 0, 0), **more: Any) -> None:
     """A sheet across all of the picture that sends light by itself and reflects none, unless more is said."""
     more = {"albedo": BLACK, "emission": [glow], **more}
     scene.add_instances(QUAD, place(z), transmittance=[np.broadcast_to(through, 3)], **more)
 
 
-def add_floor(scene: Scene, glow: ArrayLike = (0, 0, 0), albedo: ArrayLike = (0, 0, 0), z: float = -1.0) -> None:
+def add_floor(scene: Scene, glow: Any = (0, 0, 0), albedo: Any = (0, 0, 0), z: float = -1.0) -> None:
     scene.add_instances(QUAD, place(z, 5.0), [albedo], emission=[glow])
 
 
@@ -42,7 +43,7 @@ def picture(scene: Scene, half: float = 0.8, height: float = 10.0, **settings: A
     return np.asarray(Frame(scene).render(camera(half, height), *SIZE, **settings), np.float64)
 
 
-def over(layers: list[tuple[ArrayLike, ArrayLike]], behind: ArrayLike) -> NDArray[np.float64]:
+def over(layers: Sequence[tuple[Any, Any]], behind: Any) -> NDArray[np.float64]:
     """What (share let through, radiance) from the near end on leave to be seen."""
     out = np.array(behind, np.float64)
     for through, glow in reversed(layers):
@@ -78,7 +79,9 @@ def test_no_sheet_is_lost_however_near_to_the_next(apart: float) -> None:
 
 def test_on_the_edge_between_two_triangles_a_sheet_is_met_once() -> None:
     """Rays that run exactly through the diagonal, and through the corner that four triangles share."""
-    fan = Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, 0, 0]], [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    fan = Mesh(
+        [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, 0, 0]], [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    )
     for mesh in (QUAD, fan):
         scene = Scene()
         scene.add_instances(mesh, np.eye(4), BLACK, transmittance=[[0.5] * 3])
@@ -104,7 +107,7 @@ def test_without_anything_behind_it_is_in_the_alpha_as_much_as_it_hides() -> Non
 
 
 def test_one_that_lets_nothing_through_is_a_solid_and_one_that_lets_all_through_is_not_there() -> None:
-    def scene_of(card: bool, ghost: bool, through: ArrayLike | None) -> Scene:
+    def scene_of(card: bool, ghost: bool, through: Any | None) -> Scene:
         scene = Scene()
         if card:
             scene.add_instances(QUAD, place(1.0, 0.3), [[0.3, 0.5, 0.7]], transmittance=through)
@@ -121,9 +124,11 @@ def test_one_that_lets_nothing_through_is_a_solid_and_one_that_lets_all_through_
     np.testing.assert_allclose(found, plain, atol=1e-5 * plain.max())
 
 
-@pytest.mark.parametrize("albedo,gloss", [((0.6, 0.4, 0.2), None), ((0.2, 0.4, 0.6), (0.5, 0.4, 0.3, 1, 0.2, 0.2, 0, 1.5))])
+@pytest.mark.parametrize(
+    "albedo,gloss", [((0.6, 0.4, 0.2), None), ((0.2, 0.4, 0.6), (0.5, 0.4, 0.3, 1, 0.2, 0.2, 0, 1.5))]
+)
 def test_it_is_lit_as_what_is_opaque_on_both_sides(albedo: Any, gloss: Any) -> None:
-    def scene_of(through: ArrayLike | None, turn: bool) -> Scene:
+    def scene_of(through: Any | None, turn: bool) -> Scene:
         scene = Scene()
         matrix = np.diag([1.0, -1.0, -1.0, 1.0]) if turn else np.eye(4)
         scene.add_instances(QUAD, matrix, [albedo], gloss=None if gloss is None else [gloss], transmittance=through)
@@ -138,7 +143,7 @@ def test_it_is_lit_as_what_is_opaque_on_both_sides(albedo: Any, gloss: Any) -> N
         assert plain.std() > 0.01
 
 
-def sunlit(*cards: tuple[float, ArrayLike], reach: Reach | None = None, **flags: Any) -> NDArray[np.float64]:
+def sunlit(*cards: tuple[float, Any], reach: Reach | None = None, **flags: Any) -> NDArray[np.float64]:
     """The light on a white floor in the sun, under sheets that the camera does not see, over that of the open sky."""
     scene = Scene()
     for z, through in cards:
@@ -157,7 +162,7 @@ def test_its_shadow_is_what_it_lets_through_of_each_colour() -> None:
 
 
 def test_a_lamp_of_any_size_is_dimmed_by_what_covers_all_of_it() -> None:
-    def lit(through: ArrayLike | None) -> NDArray[np.float64]:
+    def lit(through: Any | None) -> NDArray[np.float64]:
         scene = Scene()
         if through is not None:
             add(scene, 0.5, through, visibility=Visibility("unseen"))
@@ -226,7 +231,7 @@ def test_passes_tell_of_the_first_that_is_opaque_enough() -> None:
         add(scene, z, (through,) * 3, object_index=[number], material_index=[10 * number])
     add_floor(scene, (1.0, 1.0, 1.0))
     names = ["position", "object_index", "material_index", "mist", "normal"]
-    mist = {"mist": (0.0, 20.0, 1.0), "eye": (0, 0, 10), "axis": (0, 0, -1)}
+    mist: dict[str, Any] = {"mist": (0.0, 20.0, 1.0), "eye": (0, 0, 10), "axis": (0, 0, -1)}
 
     def passes(**settings: Any) -> dict[str, Any]:
         found = Frame(scene).passes(camera(), 4, 4, names, **mist, **settings)
@@ -266,3 +271,44 @@ def test_over_another_picture_it_hides_smoke_and_shades_as_much_as_it_takes() ->
     facing = 1.0 / np.sqrt(1.25)  # a share is one of the light on what faces the sun
     assert shade == pytest.approx(0.75 * facing, abs=1e-5)
     np.testing.assert_allclose(np.unique(row.round(4)), (0.0, 0.75 * facing), atol=1e-4)
+
+
+def smoky(card: Any | None, sun: Any, z: float = 1.5, x: float = 0.0, **more: Any) -> NDArray[np.float64]:
+    """Thick smoke in a sun from above, two metres high and below a sheet that the camera does not see, if any; from the
+    side, without a floor: rows are heights from -0.8 to 0.8."""
+    scene = Scene()
+    if card is not None:
+        scene.add_instances(
+            QUAD, place(z, 2.0, x), BLACK, transmittance=[card], visibility=Visibility("unseen"), **more
+        )
+    box = np.diag([0.05, 0.05, 0.05, 1.0])
+    box[:3, 3] = -1.0, -1.0, -1.0
+    scene.add_medium(np.full((40, 40, 40), 1.0), box, scattering=(0.6, 0.6, 0.6), absorption=(0.2, 0.2, 0.2))
+    scene.add_sun((0, 0, -1), sun)
+    from_the_side = np.zeros((4, 4))
+    from_the_side[0, 0] = from_the_side[1, 2] = 1.0 / 0.8
+    from_the_side[2, 1], from_the_side[3, 3] = 0.1, 1.0
+    return np.asarray(Frame(scene).render(Camera(from_the_side), *SIZE, edge_samples=1), np.float64)[..., :3]
+
+
+def test_smoke_below_it_has_what_it_lets_through_of_each_colour() -> None:
+    plain = smoky(None, (3.0, 3.0, 3.0))
+    assert plain.min() > 0.01
+    through = np.array((0.2, 0.5, 0.8))
+    np.testing.assert_allclose(smoky(through, (3.0, 3.0, 3.0)), plain * through, rtol=2e-3)
+    grey = smoky((0.3, 0.3, 0.3), (3.0, 3.0, 3.0))
+    np.testing.assert_allclose(grey, plain * 0.3, rtol=2e-3)
+
+
+def test_smoke_above_a_sheet_in_it_has_all_light() -> None:
+    plain, card = smoky(None, (3.0, 3.0, 3.0)), smoky((0.2, 0.5, 0.8), (3.0, 3.0, 3.0), z=0.0)
+    share = card / plain
+    np.testing.assert_allclose(share[9:], 1.0, rtol=2e-3)
+    np.testing.assert_allclose(share[:7], np.broadcast_to((0.2, 0.5, 0.8), (7, 16, 3)), rtol=2e-3)
+
+
+def test_smoke_beside_its_shadow_has_all_light() -> None:
+    plain, card = smoky(None, (3.0, 3.0, 3.0)), smoky((0.5, 0.5, 0.5), (3.0, 3.0, 3.0), x=2.0)
+    share = card / plain  # from x = 0 on
+    np.testing.assert_allclose(share[:, :7], 1.0, rtol=2e-3)
+    np.testing.assert_allclose(share[:, 9:], 0.5, rtol=2e-3)

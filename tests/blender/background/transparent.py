@@ -35,12 +35,15 @@ def quad(name: str, half: float) -> bpy.types.Mesh:
     return mesh
 
 
-def pane(place: tuple[float, float, float], turn: float = 90.0, half: float = 0.5, **inputs: object) -> bpy.types.Object:
+def pane(
+    place: tuple[float, float, float], turn: float = 90.0, half: float = 0.5, **inputs: object
+) -> bpy.types.Object:
     """A square of a Principled BSDF, upright and facing the camera unless it is turned otherwise, about x."""
     thing = link("Pane", quad("Pane", half), place)
     thing.rotation_euler = (math.radians(turn), 0.0, 0.0)
     shader = harness.shade(thing.data, "ShaderNodeBsdfPrincipled")
-    for name, value in {"Roughness": 0.6, "Alpha": 0.5, **inputs}.items():
+    values: dict[str, object] = {"Roughness": 0.6, "Alpha": 0.5, **inputs}
+    for name, value in values.items():
         name = name.replace("_", " ")
         name = "Emission Color" if name == "Emission" and name not in shader.inputs else name
         shader.inputs[name].default_value = value
@@ -120,6 +123,7 @@ def around_smoke() -> None:
 
 def shading_smoke() -> None:
     stage(smoke=True, lamp="SUN")
+    bpy.data.objects.remove(bpy.data.objects["Floor"])  # whose shadows are brighter
     pane((0.3, -0.5, 1.9), 0.0, 0.5, Alpha=0.7)
     mix(pane((-0.5, -0.4, 1.7), 10.0, 0.3, Alpha=1.0), "ShaderNodeBsdfTransparent", 0.9, Color=RED)
 
@@ -235,6 +239,17 @@ def test_what_brightens_is_named() -> None:
     mix(thing, "ShaderNodeBsdfTransparent", 1.0, Color=(2.0, 0.5, 1.0, 1.0))
     new = [line for line in said() if line not in before]
     assert len(new) == 1 and "(1, 0.5, 1)" in new[0], new
+
+
+def test_what_is_held_out_whole_is_named() -> None:
+    stage()
+    thing = pane((0.0, 0.0, 0.6))
+    before = said()
+    for flag, word in (("is_holdout", "Holdout"), ("is_shadow_catcher", "Shadow Catcher")):
+        setattr(thing, flag, True)
+        new = [line for line in said() if line not in before]
+        assert len(new) == 1 and new[0] == f"Pane: it lets light through, but is a {word} as if it did not", new
+        setattr(thing, flag, False)
 
 
 def test_passes_tell_of_what_is_as_opaque_as_the_view_layer_asks() -> None:
