@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <vector>
 
 #include <glm/gtc/packing.hpp>
 
@@ -50,6 +50,11 @@ glm::vec4 normalised(const Seen &seen, float left) {
     return {seen.times(OitText().normalised(left, seen.weight())), 1.0F - left};
 }
 
+struct Fragment {
+    float z, alpha, tau;
+    glm::vec3 colour;
+};
+
 // a_k, b_k of harmonics 1, 2, ...
 template <class Number>
 using Pairs = std::array<std::array<Number, 2>, MOST_HARMONICS>;
@@ -64,93 +69,95 @@ void add_harmonics(Pairs<double> &pairs, std::size_t harmonics, float tau, float
     }
 }
 
-// The nearest fragments, layer by layer, nearest first.
+// The nearest layers. They are found as the GPU finds them, one behind the other, so that order does not matter.
 class Nearest {
 public:
-    explicit Nearest(std::size_t layers_at_most) : most(layers_at_most) {}
-
-    // Keeps the layers nearest; order of submission does not matter, since depths are those that are stored.
-    void add(float z, float tau) {
-        const auto end = layers.begin() + static_cast<std::ptrdiff_t>(count);
-        const auto at = std::find_if(layers.begin(), end, [z](const Layer &layer) { return layer.depth >= z; });
-        if (at != end && at->depth == z) {
-            at->tau += double{tau};
-        } else if (count < most) {
-            std::move_backward(at, end, end + 1);
-            *at = {z, double{tau}};
-            ++count;
-        } else if (at != end) {
-            std::move_backward(at, end - 1, end);
-            *at = {z, double{tau}};
-        }
-    }
-
-    // To what is stored, once all fragments are there.
-    void store() {
-        for (std::size_t i = 0; i < count; ++i) {
-            Layer &layer = layers[i];
-            layer.before = passed;
-            layer.alpha = OitText().stored_opacity(
-                OitText().opacity_level(1.0F - OitText().transmittance_of(static_cast<float>(layer.tau))));
-            passed *= 1.0F - layer.alpha;
-        }
-    }
-
-    // What a fragment is seen as, or a negative number where it is behind all layers.
-    [[nodiscard]] float seen(float z, float tau) const {
-        for (std::size_t i = 0; i < count; ++i) {
-            const Layer &layer = layers[i];
-            if (layer.depth == z) {
-                return OitText().seen_in_layer(tau, static_cast<float>(layer.tau), layer.alpha, layer.before);
+    Nearest(std::span<const Fragment> fragments, std::size_t most) {
+        for (; count < most; ++count) {
+            float depth = BEHIND_ALL;
+            for (const Fragment &fragment : fragments) {
+                depth = fragment.z > end && fragment.z < depth ? fragment.z : depth;
             }
+            if (depth == BEHIND_ALL) {
+                return;
+            }
+            last = depth;
+            add_layer(fragments);
         }
-        return -1.0F;
     }
 
-    [[nodiscard]] float last() const { return count > 0 ? layers[count - 1].depth : 0.0F; }
-    [[nodiscard]] bool behind(float z) const { return count == most && (most == 0 || z > last()); }
+    [[nodiscard]] bool before(float z) const { return z <= end; }
+
+    // Of a fragment that is not behind the layers.
+    [[nodiscard]] float seen(const Fragment &fragment) const {
+        std::size_t i = 0;
+        while (fragment.z > layers[i].end) {
+            ++i;
+        }
+        return OitText().seen_in_layer(fragment.alpha, layers[i].level, layers[i].before);
+    }
 
     float passed = 1.0F; // of the light, by all layers
+    float tau = 0.0F;    // of all layers
+    float last = 0.0F;   // the depth of the last
 
 private:
+    static constexpr float BEHIND_ALL = 2.0F;
     struct Layer {
-        float depth = 0.0F;
-        double tau = 0.0;
-        float alpha = 0.0F, before = 1.0F;
+        float end = 0.0F, level = 0.0F, before = 1.0F;
     };
-    std::array<Layer, MOST_NEAREST + 1> layers{};
-    std::size_t most, count = 0;
+
+    void add_layer(std::span<const Fragment> fragments) {
+        const float start = end;
+        end = OitText().layer_end(last);
+        double sum = 0.0;
+        for (const Fragment &fragment : fragments) {
+            sum += fragment.z > start && fragment.z <= end ? double{fragment.tau} : 0.0;
+        }
+        const float light = OitText().transmittance_of(static_cast<float>(sum));
+        layers[count] = {end, OitText().opacity_level(1.0F - light), passed};
+        const float alpha = OitText().stored_opacity(layers[count].level);
+        passed *= 1.0F - alpha;
+        tau += OitText().optical_depth_of(alpha);
+    }
+
+    std::array<Layer, MOST_NEAREST> layers{};
+    std::size_t count = 0;
+    float end = -1.0F; // of the last layer
 };
 
 float half(double coefficient) {
     return glm::unpackHalf1x16(glm::packHalf1x16(static_cast<float>(std::clamp(coefficient, -65504.0, 65504.0))));
 }
 
-// All other fragments.
+// The fragments behind them.
 class Tail {
 public:
-    // `nearest` and `furthest` of them, behind the layer at `last`.
-    Tail(float nearest, float furthest, float last)
-        : range(OitText().stored_tail_range(OitText().tail_range(nearest, furthest, last), last)) {}
-
-    void add(float z, float tau, std::size_t harmonics) {
-        sum += double{tau};
-        add_harmonics(sums, harmonics, tau, OitText().relative_depth(range, z));
-    }
-
-    void store(std::size_t harmonics) {
-        const auto stored = [this](double coefficient) {
-            return OitText().eight_bit_ratio(
-                OitText().tail_level(static_cast<float>(coefficient), 2.0F * static_cast<float>(sum)));
+    Tail(std::span<const Fragment> behind, float last, std::size_t of) : harmonics(of) {
+        float low = 1.0F, high = 0.0F;
+        double sum = 0.0;
+        for (const Fragment &fragment : behind) {
+            low = std::min(low, fragment.z);
+            high = std::max(high, fragment.z);
+            sum += double{fragment.tau};
+        }
+        range = OitText().stored_tail_range(OitText().tail_range(low, high, last), last);
+        Pairs<double> sums{};
+        for (const Fragment &fragment : behind) {
+            add_harmonics(sums, harmonics, fragment.tau, OitText().relative_depth(range, fragment.z));
+        }
+        const auto stored = [sum](double coefficient) {
+            const float a0 = static_cast<float>(2.0 * sum);
+            return OitText().eight_bit_ratio(OitText().tail_level(static_cast<float>(coefficient), a0));
         };
         for (std::size_t k = 0; k < harmonics; ++k) {
             pairs[k] = {stored(sums[k][0]), stored(sums[k][1])};
         }
-        total = OitText().stored_total(OitText().total_level(static_cast<float>(sum)));
     }
 
-    [[nodiscard]] float seen(float z, float alpha, std::size_t harmonics) const {
-        const float d = OitText().relative_depth(range, z);
+    // `total`: the tail's optical depth.
+    [[nodiscard]] float seen(const Fragment &fragment, float total) const {
+        const float d = OitText().relative_depth(range, fragment.z);
         OitText::TailDepth depth = OitText().tail_depth_start(total, d);
         const Harmonic first = OitText().harmonic(1.0F, d);
         Harmonic h = first;
@@ -158,62 +165,41 @@ public:
             depth = OitText().tail_depth_step(depth, total, pairs[k][0], pairs[k][1], h, number(k + 1));
             h = OitText().next_harmonic(h, first);
         }
-        return OitText().seen_in_tail(alpha, OitText().optical_depth_of(alpha), depth, total);
+        return OitText().seen_in_tail(fragment.alpha, depth, total);
     }
 
-    OitText::DepthRange range;
-    float total = 0.0F; // optical depth, once stored
-    Pairs<float> pairs; // of which only as many as are stored are there, as shares of 2 total
-
 private:
-    double sum = 0.0;
-    Pairs<double> sums{};
+    std::size_t harmonics;
+    OitText::DepthRange range{};
+    Pairs<float> pairs{}; // shares of twice the tail's optical depth
 };
 
 } // namespace
 
-glm::vec4 composite_nearest(const PixelFragments &fragments, std::size_t nearest, std::size_t harmonics) {
-    const auto each = [&](const auto &body) {
-        for (std::size_t i = 0; i < fragments.depth.size(); ++i) {
-            const float tau = OitText().optical_depth_of(fragments.alpha[i]);
-            if (tau > 0.0F) {
-                body(OitText().fragment_depth(fragments.depth[i]), tau, i);
-            }
+glm::vec4 composite_nearest(const PixelFragments &pixel, std::size_t nearest, std::size_t harmonics) {
+    std::vector<Fragment> fragments;
+    fragments.reserve(pixel.depth.size());
+    double sum = 0.0;
+    for (std::size_t i = 0; i < pixel.depth.size(); ++i) {
+        const float tau = OitText().optical_depth_of(pixel.alpha[i]);
+        if (tau > 0.0F) {
+            fragments.push_back({OitText().fragment_depth(pixel.depth[i]), pixel.alpha[i], tau, pixel.colour[i]});
+            sum += double{tau};
         }
-    };
-    Nearest layers(nearest);
-    each([&](float z, float tau, std::size_t) { layers.add(z, tau); });
-    layers.store();
-
-    float low = std::numeric_limits<float>::max(), high = 0.0F;
-    each([&](float z, float, std::size_t) {
-        if (layers.behind(z)) {
-            low = std::min(low, z);
-            high = std::max(high, z);
-        }
-    });
-    const bool has_tail = low <= high;
-    Tail tail(has_tail ? low : 0.0F, high, layers.last());
-    if (has_tail) {
-        each([&](float z, float tau, std::size_t) {
-            if (layers.behind(z)) {
-                tail.add(z, tau, harmonics);
-            }
-        });
-        tail.store(harmonics);
     }
+    const float all = OitText().stored_total(OitText().total_level(static_cast<float>(sum)));
+    const Nearest layers(fragments, nearest);
+    const auto behind =
+        std::partition(fragments.begin(), fragments.end(), [&](const Fragment &f) { return layers.before(f.z); });
+    const Tail tail({behind, fragments.end()}, layers.last, harmonics);
+    const float total = OitText().tail_total(all, layers.tau);
 
     Seen near, far;
-    each([&](float z, float tau, std::size_t i) {
-        if (layers.behind(z)) {
-            far.add(fragments.colour[i], tail.seen(z, fragments.alpha[i], harmonics));
-        } else {
-            near.add(fragments.colour[i], layers.seen(z, tau));
-        }
-    });
-    const float left = left_by(fragments);
-    const float of_tail = OitText().tail_opacity(layers.passed, tail.total, far.weight());
-    const float scale = OitText().nearest_scale(left, layers.passed, of_tail);
+    std::for_each(fragments.begin(), behind, [&](const Fragment &f) { near.add(f.colour, layers.seen(f)); });
+    std::for_each(behind, fragments.end(), [&](const Fragment &f) { far.add(f.colour, tail.seen(f, total)); });
+    const float left = OitText().transmittance_of(all);
+    const float of_tail = OitText().tail_opacity(layers.passed, total, far.weight());
+    const float scale = OitText().layers_scale(left, near.weight(), of_tail);
     return {near.times(scale) + far.times(scale * OitText().tail_scale(of_tail, far.weight())), 1.0F - left};
 }
 

@@ -20,7 +20,7 @@ struct PixelFragments {
 constexpr std::size_t MOST_NEAREST = 8, MOST_HARMONICS = 31;
 
 // All of them: radiance, premultiplied, and opacity.
-glm::vec4 composite_nearest(const PixelFragments &fragments, std::size_t nearest, std::size_t harmonics);
+glm::vec4 composite_nearest(const PixelFragments &pixel, std::size_t nearest, std::size_t harmonics);
 glm::vec4 composite_fourier(const PixelFragments &fragments, std::size_t terms, float sigma);
 glm::vec4 composite_weighted(const PixelFragments &fragments);
 

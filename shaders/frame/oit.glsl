@@ -6,9 +6,9 @@
 // among the fragments' colours by weights, which estimate how much of each is seen:
 //   fourier   Song, "order-independent transparency with Fourier series", 2021: a Fourier series over the depths of the
 //             whole picture, in four steps; optionally Lanczos' sigma factors
-//   nearest   ours: the nearest fragments exactly, the others by a series over their own depths, from which each
-//             fragment's own part is taken (self_harmonic() in opacity.glsl). 4 bytes for each of the nearest, and
-//             4 + 2 H for a series of H harmonics and its range: 22 for the usual four and one
+//   nearest   ours: the nearest layers exactly, the others by a series over their own depths, from which each fragment's
+//             own part is taken (self_harmonic() in opacity.glsl). 4 bytes for each of the nearest, and 4 + 2 H for a
+//             series of H harmonics and its range: 22 for the usual four and one
 //   weighted  McGuire and Mara, "Phenomenological Transparency", 2017: weights of opacity and depth alone
 // Depths are in [0, 1], linear in the distance along the view; opacities in (0, 1], or there is no fragment.
 
@@ -28,16 +28,22 @@ float seen_of(float alpha, float tau_before)
   return alpha * exp(-min(tau_before, 60.0f));
 }
 
-// ---- The nearest fragments ----
-// 24 bits of depth and 8 of opacity each. Fragments at one depth are one layer: its optical depth is the sum of theirs,
-// and each has its share of what the layer shows.
+// ---- The nearest layers ----
+// 24 bits of depth and 8 of opacity each. Fragments at one depth are one layer: its optical depth is the sum of theirs.
 
 #define FRAGMENT_DEPTHS 16777216.0f
 
-// Exact in a depth texture of single floats too, so that a layer can be told by its depth.
+// Exact in a texture of single floats.
 float fragment_depth(float z)
 {
   return min(floor(clamp(z, 0.0f, 1.0f) * FRAGMENT_DEPTHS), FRAGMENT_DEPTHS - 1.0f) / FRAGMENT_DEPTHS;
+}
+
+// The last depth that belongs to the layer whose nearest fragment is at `depth`: two passes over the same triangle may
+// round its depth to neighbours.
+float layer_end(float depth)
+{
+  return depth + 1.5f / FRAGMENT_DEPTHS;
 }
 
 // Levels are spaced by the root of opacity: thin layers matter as much, taken together. None is 0.
@@ -51,16 +57,19 @@ float stored_opacity(float level)
   return (level / 255.0f) * (level / 255.0f);
 }
 
-// What a fragment of a layer is seen as: `before` is the transmittance of the layers before it.
-float seen_in_layer(float tau, float layer_tau, float layer_alpha, float before)
+// What a fragment of a layer is seen as; `before` is the transmittance of the layers before it. A fragment that has the
+// layer to itself, which is one that would be stored as the layer is, needs no rounding; others share what it shows.
+float seen_in_layer(float alpha, float level, float before)
 {
-  return before * layer_alpha * tau / layer_tau;
+  float layer = stored_opacity(level);
+  float share = min(optical_depth_of(alpha) / optical_depth_of(layer), 1.0f);
+  return before * pick(abs(opacity_level(alpha) - level) < 0.5f, alpha, layer * share);
 }
 
-// ---- The tail: all other fragments ----
+// ---- All fragments ----
 
-// Optical depth in 16 bits. The transmittance is never off by more than 1.2e-5 (a half float: 9e-5), and the largest is
-// 65534.
+// Their optical depth in 16 bits. The transmittance is never off by more than 1.2e-5 (with a half float: 9e-5), and the
+// largest is 65534.
 float total_level(float tau)
 {
   return min(floor(tau / (1.0f + tau) * 65535.0f + 0.5f), 65534.0f);
@@ -71,7 +80,16 @@ float stored_total(float level)
   return level / (65535.0f - level);
 }
 
-// The range that its series spans, in eight bits an end: the near one between the last of the nearest fragments and
+// ---- The tail: the fragments behind the nearest layers ----
+
+// Its optical depth: that of all fragments less that of the layers, as they are stored. So it makes up for their
+// rounding.
+float tail_total(float all, float layers)
+{
+  return max(all - layers, 0.0f);
+}
+
+// The range that its series spans, in eight bits an end: the near one between the last of the nearest layers and
 // TAIL_END, the far one between the near one and that. Rounding widens it, so all of the tail is inside.
 #define TAIL_END 1.0625f
 
@@ -123,23 +141,23 @@ TailDepth tail_depth_step(TailDepth depth, float total, float a, float b, Harmon
   return next;
 }
 
-float seen_in_tail(float alpha, float own, TailDepth depth, float total)
+float seen_in_tail(float alpha, TailDepth depth, float total)
 {
-  return seen_of(alpha, optical_depth_of_others(depth.tau, total, own, depth.own_share));
+  return seen_of(alpha, optical_depth_of_others(depth.tau, total, optical_depth_of(alpha), depth.own_share));
 }
 
 // ---- What is shown ----
 // Sums over fragments, and by what they are to be multiplied. `left` is what all fragments let through, `passed` what
-// the nearest do, `total` the tail's optical depth, `seen` the sum of its weights.
+// the layers do, `total` the tail's optical depth; `seen` are sums of weights.
 
 float tail_opacity(float passed, float total, float seen)
 {
   return pick(seen > 0.0f, passed * (1.0f - exp(-total)), 0.0f);
 }
 
-float nearest_scale(float left, float passed, float of_tail)
+float layers_scale(float left, float seen, float of_tail)
 {
-  return (1.0f - left) / max(1.0f - passed + of_tail, 1e-20f);
+  return (1.0f - left) / max(seen + of_tail, 1e-20f);
 }
 
 float tail_scale(float of_tail, float seen)

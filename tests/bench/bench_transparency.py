@@ -43,12 +43,11 @@ def by(function: Callable[..., Any], *arguments: float) -> Callable[[Pixels], np
 
 
 def nearest(count: int, harmonics: int) -> Method:
-    """The peak is that of addon/gpu/transparency.py: depths of the layers, of the range's two ends, and in single floats
-    the layers' optical depths and the series; or what is kept, and two colours."""
+    """The peak is that of addon/gpu/transparency.py: what is kept, a depth of each layer and of the range's two ends, the
+    depth test's, and in single floats the layers' optical depths and the series, in targets of four."""
     kept = 4 * count + 4 + 2 * harmonics
-    return Method(
-        by(sfumato.composite_nearest, count, harmonics), kept, kept + 8 * count + 8 + 4 * (1 + 2 * harmonics), 32
-    )
+    sums = 16 * (-(-count // 4) - (-(1 + 2 * harmonics) // 4))
+    return Method(by(sfumato.composite_nearest, count, harmonics), kept, kept + 4 * (count + 3) + sums, 32)
 
 
 def fourier(terms: int, sigma: float) -> Method:

@@ -76,10 +76,10 @@ TEST(Transparency, HidesWhatIsBehindSomethingOpaque) {
     const std::array<float, 3> depth{0.2F, 0.6F, 0.4F};
     const std::array<glm::vec3, 3> colour{glm::vec3{1, 0, 0}, glm::vec3{0, 0, 1}, glm::vec3{0, 1, 0}};
     const std::array<float, 3> clear{quarter, 1.0F, quarter}, opaque{quarter, 1.0F, 1.0F};
-    EXPECT_NEAR(composite_nearest({depth, clear, colour}, 4, 1).z, (1.0F - quarter) * (1.0F - quarter), 2e-6F);
+    EXPECT_NEAR(composite_nearest({depth, clear, colour}, 4, 1).z, (1.0F - quarter) * (1.0F - quarter), 2e-5F);
     const glm::vec4 hidden = composite_nearest({depth, opaque, colour}, 4, 1);
-    EXPECT_NEAR(hidden.z, 0.0F, 2e-6F);
-    EXPECT_NEAR(hidden.y, 1.0F - quarter, 2e-6F);
+    EXPECT_NEAR(hidden.z, 0.0F, 2e-5F);
+    EXPECT_NEAR(hidden.y, 1.0F - quarter, 2e-5F);
 }
 
 } // namespace
