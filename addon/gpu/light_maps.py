@@ -6,7 +6,7 @@ a_2j, b_2j, a_2j+1, b_2j+1, with b_0 = 0. Blender 3.4 has no compute shaders, so
 time: into pictures, which are then copied, because from 4.3 on a framebuffer writes to only one layer of a texture.
 
 The paper blends half floats. Half floats stall: additions that are small beside the sum are lost, and 20,000 layers of
-opacity 2e-4 keep a transmittance of .6 instead of .02. So maps have single floats.
+opacity 2e-4 keep a transmittance of .6 instead of .02. So maps have single floats, unless `half` asks for the paper's.
 """
 
 from __future__ import annotations
@@ -55,6 +55,7 @@ class LightMaps:
         size: tuple[int, int],
         coefficients: int,
         thick: bool = True,
+        half: bool = False,
     ) -> Any:
         """The light map of particles, in any order: a GPUTexture of `size` (width, height).
 
@@ -62,8 +63,8 @@ class LightMaps:
         middle, where 1 is taken to be 1 - 2^-20; world_to_map (4, 4), whose first three rows are perpendicular, as in
         sfumato.LightMap; coefficients 1, 3, ..., 63. A particle is a puff whose density falls off as
         1 - (r / radius)^2 (shaders/media/puff.glsl), taken for a slab along the light (shaders/viewport/splat_*.glsl), or
-        without `thick` as flat as the paper's. What is outside the map is left out. The map holds optical depth. Raises ValueError for anything
-        unusable.
+        without `thick` as flat as the paper's; `half` as in the module's docstring. What is outside the map is left
+        out. The map holds optical depth. Raises ValueError for anything unusable.
         """
         count = arguments.odd_coefficients(coefficients)
         width, height = _size(size)
@@ -109,7 +110,7 @@ class LightMaps:
             shader.uniform_float("extent", extent)
             batch.draw(shader)
 
-        light_map = _new_map(width, height, count)
+        light_map = _new_map(width, height, count, "RGBA16F" if half else FORMAT)
         self._in_passes(light_map, count, "splat", declare, fragment, vertex, draw)
         return light_map
 
@@ -165,7 +166,7 @@ class LightMaps:
             shader.uniform_sampler("clearance", clearance)
             self._shaders.draw_screen(shader)
 
-        light_map = _new_map(width, height, count)
+        light_map = _new_map(width, height, count, FORMAT)
         self._in_passes(light_map, count, "march", declare, fragment, None, draw)
         return light_map
 
@@ -215,7 +216,7 @@ class LightMaps:
         layers = _layers(count)
         passes = np.array_split(np.arange(layers), math.ceil(layers / TARGETS))
         size = light_map.width, light_map.height
-        targets = [gpu.types.GPUTexture(size, format=FORMAT) for _ in passes[0]]
+        targets = [gpu.types.GPUTexture(size, format=light_map.format) for _ in passes[0]]
         for some in passes:
 
             def declare_all(info: Any, some: NDArray[np.int64] = some) -> None:
@@ -308,10 +309,10 @@ def _layers(coefficients: int) -> int:
     return (coefficients + 1 + 3) // 4
 
 
-def _new_map(width: int, height: int, coefficients: int) -> Any:
+def _new_map(width: int, height: int, coefficients: int, form: str) -> Any:
     import gpu
 
-    return gpu.types.GPUTexture((width, height), layers=_layers(coefficients), format=FORMAT)
+    return gpu.types.GPUTexture((width, height), layers=_layers(coefficients), format=form)
 
 
 def _framebuffer(light_map: Any, layer: int) -> Any:

@@ -123,7 +123,7 @@ fragment's own part.
 >>> import numpy as np
 >>> depth, alpha = np.array([0.7, 0.2]), np.array([0.5, 0.25])
 >>> composite_nearest(depth, alpha, [[1, 0, 0], [0, 1, 0]]).round(2).tolist()
-[0.38, 0.25, 0.0, 0.62]
+[0.37, 0.25, 0.0, 0.62]
 )");
     m.def("composite_fourier", &fourier_of, py::arg("depth"), py::arg("alpha"), py::arg("colour"), py::arg("terms") = 4,
           py::arg("sigma") = 1.0F,
@@ -137,7 +137,7 @@ none).
 >>> import numpy as np
 >>> depth, alpha = np.array([0.7, 0.2]), np.array([0.5, 0.25])
 >>> composite_fourier(depth, alpha, [[1, 0, 0], [0, 1, 0]]).round(2).tolist()
-[0.38, 0.25, 0.0, 0.62]
+[0.34, 0.28, 0.0, 0.63]
 )");
     m.def("composite_weighted", &weighted_of, py::arg("depth"), py::arg("alpha"), py::arg("colour"),
           R"(Transparent fragments weighted by their depth and opacity alone: McGuire and Mara, "Phenomenological
@@ -148,7 +148,7 @@ Arguments and answer as of composite_nearest.
 >>> import numpy as np
 >>> depth, alpha = np.array([0.7, 0.2]), np.array([0.5, 0.25])
 >>> composite_weighted(depth, alpha, [[1, 0, 0], [0, 1, 0]]).round(2).tolist()
-[0.38, 0.25, 0.0, 0.62]
+[0.42, 0.21, 0.0, 0.62]
 )");
     m.def(
         "average_series", &averaged, py::arg("coefficients"), py::arg("p") = 1.0F,
