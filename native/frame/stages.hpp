@@ -39,8 +39,8 @@ struct FrameSettings {
 // Of a frame, what does not depend on the camera.
 struct Content {
     std::optional<Surfaces> surfaces;
-    std::vector<CroppedMedium> media; // those that are not empty
-    std::size_t seen_media = 0;       // those that the camera sees come first
+    std::vector<CroppedMedium> media;   // those that are not empty
+    std::size_t seen_media = 0;         // those that the camera sees come first
     std::shared_ptr<const Puffs> puffs; // null where there are none
     bool grey = true;
     Lighting lighting;

@@ -38,7 +38,8 @@ struct LightView : Light {
     [[nodiscard]] bool of_mesh() const { return kind == Kind::POLYGON; }
 };
 
-// What a kernel has to know of a light, without its samples and maps. `cell` is the size of the smallest cell of any body.
+// What a kernel has to know of a light, without its samples and maps. `cell` is the size of the smallest cell of any
+// body.
 LightView view_of(const Light &light, double cell);
 
 // Points at which a light stands for all of itself, no more of them than its penumbra behind the smoke asks for; of a

@@ -131,7 +131,7 @@ struct Particles {
 
 struct Scene {
     std::vector<Instances> meshes;
-    std::vector<Medium> media; // where they overlap, their densities add
+    std::vector<Medium> media;        // where they overlap, their densities add
     std::vector<Particles> particles; // with each other's and with those of the media, too
     std::vector<Light> lights;
     glm::vec3 background{0.0F};    // radiance where no surface is; it lights nothing
