@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -26,6 +27,9 @@ struct Slices {
     alignas(64) float first[MAX_LANES], width[MAX_LANES]; // where a lane's begin, and the extent of one, metres
     std::vector<float> depth; // optical: slice by slice, in each colour (one where all is grey), MAX_LANES a row
     std::vector<float> sent;  // radiance, were there nothing in the slice to take any: likewise, in three colours
+    // The particles' own notes: which are met, and what those of one body scatter.
+    std::vector<std::int32_t> met;
+    std::vector<float> scattered;
 
     // Empty ones.
     void reset(int slices, int colours) {

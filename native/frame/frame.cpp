@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame/frame.hpp"
 
+#include "frame/ball_footprints.hpp"
 #include "frame/glance.hpp"
 #include "scene/scene.hpp"
 #include "text/rays_text.hpp"
@@ -10,6 +11,8 @@
 #include <mutex>
 #include <span>
 #include <utility>
+
+#include <oneapi/tbb/parallel_for.h>
 
 namespace sfumato {
 namespace {
@@ -28,29 +31,54 @@ Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<
     prepared_->end_round();
 }
 
-FrameView Frame::view(const Camera &camera, std::span<const MediumView> media) const {
-    FrameView view;
+Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet wanted, double step_length) const {
+    Views out;
+    out.media = views_of(content_.media, step_length);
+    FrameView &view = out.frame;
     for (std::size_t i = 0; i < 3; ++i) {
         view.camera[i] = camera.near[i];
         view.camera[3 + i] = camera.far[i];
     }
     view.surfaces = content_.surfaces->view();
     view.lights = content_.lighting.views();
-    view.media = media;
-    view.seen_media = media.first(content_.seen_media);
+    view.media = out.media.views;
+    view.seen_media = view.media.first(content_.seen_media);
     view.extinctions = content_.lighting.extinctions();
     view.grey = content_.grey;
     view.sorted = view.surfaces.sheets.scene != nullptr;
     view.background = background_;
     view.background_alpha = background_alpha_;
-    return view;
+    if (wanted.has(Layer::SMOKE) && content_.puffs && content_.puffs->seen > 0) {
+        see_particles(camera, width, height, out);
+    }
+    return out;
+}
+
+void Frame::see_particles(const Camera &camera, int width, int height, Views &views) const {
+    const Puffs &puffs = *content_.puffs;
+    prepared_->arena.execute([&] {
+        const BallFootprints footprint(camera, width, height);
+        std::vector<Footprint> footprints(puffs.seen);
+        oneapi::tbb::parallel_for(std::size_t{0}, puffs.seen, [&](std::size_t i) {
+            footprints[i] = footprint(puffs.puffs[i].middle, puffs.puffs[i].radius);
+        });
+        views.puffs = Bins(footprints, {}, width, height);
+    });
+    ParticlesView &view = views.frame.particles;
+    view.bins = views.puffs.view();
+    view.width = static_cast<float>(width);
+    view.height = static_cast<float>(height);
+    view.puffs = puffs.puffs.data();
+    view.albedo = puffs.albedo.data();
+    view.bodies = puffs.bodies;
+    view.first_body = content_.media.size();
+    views.frame.sorted = true;
 }
 
 std::optional<Image> Frame::image(const Camera &camera, int width, int height, LayerSet wanted, int edge_samples,
                                   const Progress &progress) const {
-    const MediaViews media = views_of(content_.media, step_length_);
-    const FrameView seen = view(camera, media.views);
-    const Tracer tracer{*instruction_set_, seen, wanted, *clock_};
+    const Views seen = views(camera, width, height, wanted, step_length_);
+    const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
     return prepared_->arena.execute([&] { return traced(tracer, width, height, {edge_samples, {}}, progress); });
 }
 
@@ -62,11 +90,10 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
 
 std::optional<Image> Frame::passes(const Camera &camera, int width, int height, LayerSet wanted, const Mist &mist,
                                    float least_alpha, const Film &film, const Progress &progress) const {
-    const MediaViews media = views_of(content_.media, step_length_);
-    FrameView seen = view(camera, media.views);
-    seen.mist = mist;
-    seen.least_alpha = least_alpha;
-    const Tracer tracer{*instruction_set_, seen, wanted, *clock_};
+    Views seen = views(camera, width, height, wanted, step_length_);
+    seen.frame.mist = mist;
+    seen.frame.least_alpha = least_alpha;
+    const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
     std::optional<Image> picture =
         prepared_->arena.execute([&] { return traced(tracer, width, height, film, progress); });
     if (picture) {
@@ -93,10 +120,9 @@ std::vector<float> Frame::glance(const Camera &camera, int width, int height, La
                                  float shadow_strength) const {
     // Steps a little longer than a preview's miss less than what is interpolated does.
     constexpr double CELLS = 1.25;
-    const MediaViews media = views_of(content_.media, std::max(step_length_, CELLS));
-    FrameView seen = view(camera, media.views);
-    seen.shadow_strength = shadow_strength;
-    const Tracer tracer{*instruction_set_, seen, wanted, *clock_};
+    Views seen = views(camera, width, height, wanted, std::max(step_length_, CELLS));
+    seen.frame.shadow_strength = shadow_strength;
+    const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
     return prepared_->arena.execute([&] { return sfumato::glance(tracer, width, height, spacing); });
 }
 

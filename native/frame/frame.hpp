@@ -63,7 +63,14 @@ public:
     [[nodiscard]] std::vector<StageClock::Row> stages() const { return clock_->rows(); }
 
 private:
-    [[nodiscard]] FrameView view(const Camera &camera, std::span<const MediumView> media) const;
+    // What the kernels read of a picture, and what that is made of.
+    struct Views {
+        MediaViews media;
+        Bins puffs;
+        FrameView frame;
+    };
+    [[nodiscard]] Views views(const Camera &camera, int width, int height, LayerSet wanted, double step_length) const;
+    void see_particles(const Camera &camera, int width, int height, Views &views) const;
     [[nodiscard]] std::optional<Image> image(const Camera &camera, int width, int height, LayerSet wanted,
                                              int edge_samples, const Progress &progress) const;
 

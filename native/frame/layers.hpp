@@ -6,6 +6,7 @@
 #include "frame/events.hpp"
 #include "lights/light.hpp"
 #include "media/medium_view.hpp"
+#include "media/particle_view.hpp"
 #include "solids/surface_view.hpp"
 #include "text/dispatch.hpp"
 
@@ -31,6 +32,7 @@ struct FrameView {
     std::span<const LightView> lights;
     std::span<const MediumView> media;
     std::span<const MediumView> seen_media; // by the camera: the first of them
+    ParticlesView particles;
     bool sorted = false;                    // whether anything else than grids may lie before a surface
     std::span<const glm::vec3> extinctions; // of all bodies that have light maps
     bool grey = true;                       // all of these are: one march serves all colours
@@ -140,6 +142,7 @@ struct Layers {
 struct FrameKernels {
     void (*surfaces)(const FrameView &, LayerSet, const Packet &, Layers &);
     void (*sheets)(const FrameView &, LayerSet, const Packet &, Layers &);
+    void (*particles)(const FrameView &, const Packet &, Layers &);
     void (*march)(const FrameView &, const Packet &, Layers &);
     void (*merge)(const FrameView &, const Packet &, Layers &);
 };

@@ -99,6 +99,12 @@ constexpr std::array RAYS = {
              },
              [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet &packet,
                 Layers &layers) { frame_kernels(with).sheets(view, wanted, packet, layers); }},
+    RayStage{"slices",
+             [](const FrameView &view, LayerSet wanted) {
+                 return wanted.has(Layer::SMOKE) && view.particles.puffs != nullptr;
+             },
+             [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
+                Layers &layers) { frame_kernels(with).particles(view, packet, layers); }},
     RayStage{
         "march",
         [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.seen_media.empty(); },

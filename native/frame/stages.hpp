@@ -72,7 +72,7 @@ public:
     [[nodiscard]] std::vector<Row> rows() const;
 
 private:
-    static constexpr std::size_t MOST = 16;
+    static constexpr std::size_t MOST = 24;
     std::array<std::atomic<std::chrono::steady_clock::rep>, MOST> times_{};
 };
 

@@ -37,7 +37,6 @@ public:
     // Then the light volumes of the media, which are the first of the bodies.
     void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
                       LightParts &parts) const;
-
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
     [[nodiscard]] std::span<const Body> bodies() const { return bodies_; }
     // Of each body.

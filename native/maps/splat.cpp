@@ -32,6 +32,15 @@ struct Projected {
     Footprint footprint{1.0F, 0.0F, 1.0F, 0.0F};
 };
 
+// The radius that a map widens narrower puffs to: metres, and of a radial one, for each metre from its middle.
+float least_radius(const LightMap &map) {
+    // Texels are squares, all alike or those in the middle of the octahedron.
+    const double across = map.radial
+                              ? (map.high.x - map.low.x) / map.size.x
+                              : 1.0 / (glm::length(glm::dvec3(glm::transpose(map.world_to_light)[0])) * map.size.x);
+    return static_cast<float>(double{LEAST_RADIUS} * across);
+}
+
 // Widened to what texels can show, it takes as much light in all.
 SplatPuff widened(const Puff &puff, const glm::vec3 &place, float radius, float least, float per_metre) {
     const float wide = std::max(radius, least), share = radius / wide;
@@ -43,8 +52,7 @@ public:
     explicit ParallelPlane(const LightMap &map)
         : to_texels_(glm::scale(glm::dmat4(1.0), glm::dvec3(map.size, 1.0)) * map.world_to_light),
           per_metre_(static_cast<float>(1.0 / map.length)) {
-        // Texels are squares.
-        texels_ = static_cast<float>(glm::length(glm::dvec3(glm::transpose(to_texels_)[0])));
+        texels_ = static_cast<float>(double{LEAST_RADIUS} / double{least_radius(map)});
     }
 
     [[nodiscard]] Projected project(const Puff &puff) const {
@@ -64,16 +72,15 @@ private:
 class RadialPlane {
 public:
     explicit RadialPlane(const LightMap &map)
-        : to_light_(map.world_to_light), low_(map.low), high_(map.high), size_(map.size),
-          texel_(std::max((high_.x - low_.x) / size_.x, (high_.y - low_.y) / size_.y)) {}
+        : to_light_(map.world_to_light), low_(map.low), high_(map.high), size_(map.size), least_(least_radius(map)) {}
 
     [[nodiscard]] Projected project(const Puff &puff) const {
         const glm::dvec3 place(to_light_ * glm::dvec4(puff.middle, 1.0));
         const double distance = glm::length(place);
         const glm::dvec3 towards = distance > 0.0 ? place / distance : glm::dvec3(0.0, 0.0, 1.0);
         // On a face of the octahedron texels see more the nearer they are to its middle.
-        const double texel = texel_ * std::pow(std::abs(towards.x) + std::abs(towards.y) + std::abs(towards.z), 1.5);
-        const auto least = static_cast<float>(double{LEAST_RADIUS} * texel * distance);
+        const double wider = std::pow(std::abs(towards.x) + std::abs(towards.y) + std::abs(towards.z), 1.5);
+        const auto least = static_cast<float>(least_ * wider * distance);
         Projected out{widened(puff, glm::vec3(place), puff.radius, least, 1.0F)};
         out.footprint = footprint(towards, distance, 1.0 / double{out.puff.per_radius});
         return out;
@@ -111,7 +118,7 @@ private:
     glm::dmat4 to_light_;
     glm::dvec3 low_, high_;
     glm::dvec2 size_;
-    double texel_; // radians, in the middle of the map
+    double least_;
 };
 
 // Puffs on a map, binned.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <span>
 
 #include <glm/common.hpp>
 #define XXH_INLINE_ALL // a header, not one more library to find
@@ -50,6 +51,9 @@ void add_body(const Particles &particles, Puffs &out) {
     const std::span<const Puff> puffs = out.of(body);
     const XXH128_hash_t hash = XXH3_128bits(puffs.data(), puffs.size_bytes());
     body.content = {hash.low64, hash.high64};
+    for (Puff &puff : std::span(out.puffs).subspan(body.first)) {
+        puff.body = static_cast<std::int32_t>(out.bodies.size());
+    }
     out.bodies.push_back(body);
 }
 

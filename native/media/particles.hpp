@@ -19,7 +19,8 @@ struct Particles; // scene/scene.hpp
 struct Puff {
     glm::vec3 middle{0.0F};
     float radius = 0.0F;
-    float depth = 0.0F; // optical, straight through the middle, in the strongest colour
+    float depth = 0.0F;    // optical, straight through the middle, in the strongest colour
+    std::int32_t body = 0; // of Puffs
 };
 
 // All of a scene's particle systems, or what can be seen of them.

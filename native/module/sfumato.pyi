@@ -99,9 +99,10 @@ class Frame:
         """The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom."""
     @property
     def stages(self) -> dict:
-        """The stages that ran so far, in order, and the seconds that each took: of "solids", "smoke", "lights",
-        "light maps" and "light volumes", when the frame was made; of "surfaces", "march" and "composite", in all
-        pictures since, summed over the threads. What a scene does not need is not there.
+        """The stages that ran so far, in order, and the seconds that each took: of "solids", "smoke", "particles",
+        "lights", "light maps" and "light volumes", when the frame was made; of "surfaces", "slices" of particles,
+        "march", "merge" and "composite", in all pictures since, summed over the threads. What a scene does not
+        need is not there.
         """
     @property
     def step_length(self) -> float:

@@ -31,12 +31,3 @@ float puff_damping(float sine, float cosine, float kx)
 {
   return sine - kx * cosine;
 }
-
-// Of the optical depth `depth` through the middle, what lies between a point and a light whose rays travel along an axis:
-// the point is `along` radii behind the middle on that axis, and the square of its distance from the axis is `across2`
-// squared radii.
-float puff_before_point(float depth, float along, float across2)
-{
-  float inside = max(1.0f - across2, 0.0f);
-  return depth * puff_column(inside) * puff_before(along * inversesqrt(max(inside, 1e-12f)));
-}
