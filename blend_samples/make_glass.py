@@ -18,7 +18,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import make  # noqa: E402 # the materials and settings that the samples share
 
-FOCUS, CAMERA = Vector((0.0, 0.0, 0.62)), Vector((0.6, -4.6, 1.9))
+FOCUS, CAMERA = Vector((0.05, 0.0, 0.5)), Vector((0.5, -4.4, 2.6))
 AMBER, ROSE, TEAL = (0.95, 0.55, 0.15), (0.9, 0.25, 0.35), (0.15, 0.6, 0.65)
 
 
@@ -86,10 +86,10 @@ def smoke() -> None:
     data = bpy.data.volumes.new("Wisp")
     data.filepath = "//frames/wisp.vdb"
     made = make.smoke_material()
-    made.node_tree.nodes["Principled Volume"].inputs["Density"].default_value = 14.0
+    made.node_tree.nodes["Principled Volume"].inputs["Density"].default_value = 30.0
     data.materials.append(made)
-    wisp = make.add("Wisp", data, (0.75, 0.0, 0.0), Vector((0.0, 0.0, 0.0)))
-    wisp.scale = (0.9, 0.9, 0.9)
+    wisp = make.add("Wisp", data, (-0.06, -0.81, 0.0), Vector((0.0, 0.0, 0.0)))  # its middle is at 1.5 times its scale
+    wisp.scale = (0.55, 0.55, 0.55)
 
 
 def light_and_view() -> None:
