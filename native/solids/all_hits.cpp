@@ -10,14 +10,11 @@ namespace {
 
 constexpr float NEAR = 1e-5F; // of the way, and of a triangle
 
-// Whether two hits are one: Embree may tell of a triangle twice, and a ray through the edge between two meets both.
+// Whether two hits are one: a ray through the edge between two triangles meets both.
 bool is_same(const PlaceView *places, const Hit &a, const Hit &b) {
     const auto at_rim = [](const Hit &hit) { return std::min({hit.u, hit.v, 1.0F - hit.u - hit.v}) < NEAR; };
     if (a.place != b.place) {
         return false;
-    }
-    if (a.triangle == b.triangle) {
-        return true;
     }
     const std::uint32_t *const first = places[a.place].triangles + std::size_t{3} * a.triangle;
     const std::uint32_t *const second = places[b.place].triangles + std::size_t{3} * b.triangle;
@@ -84,7 +81,7 @@ void all_hits(const SurfaceView &surfaces, const RayScene &among, const glm::vec
     rays.tfar[0] = far;
     rays.mask[0] = 0xFFFFFFFFU;
     alignas(16) const int valid[LANES] = {-1, 0, 0, 0};
-    Rays<LANES>::filtered(valid, among.scene, false, rays, note_hits, &hits);
+    Rays<LANES>::filtered(valid, among.scene, rays, note_hits, &hits);
     settle(surfaces.places, hits);
 }
 

@@ -24,7 +24,7 @@ inline void all_hits(const PlaceView *places, const RayScene &among, const vec3 
     }
     alignas(64) int valid[LANES];
     valid_lanes(asked, valid);
-    Rays<LANES>::filtered(valid, among.scene, !among.instanced, rays, note_hits, &hits);
+    Rays<LANES>::filtered(valid, among.scene, rays, note_hits, &hits);
     settle(places, hits);
 }
 

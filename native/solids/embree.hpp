@@ -34,7 +34,7 @@ constexpr auto FILTERED = static_cast<RTCSceneFlags>(HEARD | static_cast<int>(RT
 
 // One packet of rays, `Lanes` wide, against a scene: the first hit, or whether anything is hit at all; or, by a filter
 // that refuses them, all hits in any order. Coherent rays are faster; but among instances Embree 3.13 never comes back
-// from coherent packets that ask for occlusion.
+// from coherent packets that ask for occlusion, and tells a filter of each hit again for each octant they go into.
 template <int Lanes>
 struct Rays;
 
@@ -50,8 +50,7 @@ struct Rays;
         static void occluded(const int *valid, RTCScene scene, bool, Ray &rays) {                                      \
             rtcOccluded##LANES(valid, scene, &rays, nullptr);                                                          \
         }                                                                                                              \
-        static void filtered(const int *valid, RTCScene scene, bool, Ray &rays, RTCFilterFunctionN filter,             \
-                             void *who) {                                                                              \
+        static void filtered(const int *valid, RTCScene scene, Ray &rays, RTCFilterFunctionN filter, void *who) {      \
             Asking asking;                                                                                             \
             rtcInitRayQueryContext(&asking.context);                                                                   \
             asking.who = who;                                                                                          \
@@ -81,14 +80,12 @@ struct Rays;
             context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;    \
             rtcOccluded##LANES(valid, scene, &context, &rays);                                                         \
         }                                                                                                              \
-        static void filtered(const int *valid, RTCScene scene, bool coherent, Ray &rays, RTCFilterFunctionN filter,    \
-                             void *who) {                                                                              \
+        static void filtered(const int *valid, RTCScene scene, Ray &rays, RTCFilterFunctionN filter, void *who) {      \
             Asking asking;                                                                                             \
             rtcInitIntersectContext(&asking.context);                                                                  \
             asking.who = who;                                                                                          \
             asking.context.filter = filter;                                                                            \
-            asking.context.flags =                                                                                     \
-                coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;                \
+            asking.context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;                                              \
             rtcOccluded##LANES(valid, scene, &asking.context, &rays);                                                  \
         }                                                                                                              \
     };
