@@ -79,7 +79,7 @@ Text::Stretch TransferFunction::stretch(std::size_t number, double front, double
 Sent sent_by(const Text::Stretch &stretch) {
     const int pieces = static_cast<int>(Text().pieces_of(stretch));
     const double share = 1.0 / pieces;
-    Sent sum = NOTHING;
+    Sent sum = CLEAR;
     for (int i = 0; i < pieces; ++i) {
         const Text::Stretch piece = pieces > 1 ? Text().piece_of(stretch, share * i, share) : stretch;
         const Text::Attenuation over = Text().attenuation_over(Text().depth_of(piece));
@@ -95,7 +95,7 @@ Sent sent_by(const TransferFunction &transfer, double front, double back, double
     const std::vector<double> &stops = transfer.ramp().stops;
     const std::size_t first = transfer.part_of(std::min(front, back)), last = transfer.part_of(std::max(front, back));
     const bool rising = front < back;
-    Sent sum = NOTHING;
+    Sent sum = CLEAR;
     double from = front;
     for (std::size_t i = 0; i <= last - first; ++i) {
         const std::size_t part = rising ? first + i : last - i;

@@ -67,7 +67,7 @@ using Sent = glm::dvec4;
 inline Sent before(const Sent &front, const Sent &behind) {
     return {glm::dvec3(front) + front.w * glm::dvec3(behind), front.w * behind.w};
 }
-constexpr Sent NOTHING{0.0, 0.0, 0.0, 1.0};
+constexpr Sent CLEAR{0.0, 0.0, 0.0, 1.0};
 
 // A stretch cut into as many pieces as its bend asks for.
 Sent sent_by(const TransferFunction::Text::Stretch &stretch);

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "reference/preintegration.hpp"
 
+#include "reference/reference.hpp"
+#include "scene/scene.hpp"
+
 #include <algorithm>
 #include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 namespace sfumato::reference {
 namespace {
@@ -32,9 +38,8 @@ glm::dvec4 Ramp::operator()(double s) const {
 glm::dvec4 sent(const Ramp &ramp, double front, double back, double length, int intervals) {
     std::vector<double> cuts{0.0, 1.0};
     for (const double stop : ramp.stops) {
-        const double t = (stop - front) / (back - front);
-        if (t > 0.0 && t < 1.0) {
-            cuts.push_back(t);
+        if (stop > std::min(front, back) && stop < std::max(front, back)) {
+            cuts.push_back((stop - front) / (back - front));
         }
     }
     std::sort(cuts.begin(), cuts.end());
@@ -55,6 +60,25 @@ glm::dvec4 sent(const Ramp &ramp, double front, double back, double length, int 
         }
     }
     return {radiance, std::exp(-depth)};
+}
+
+glm::dvec4 sent_along(const Ramp &ramp, const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &to,
+                      int points) {
+    const std::vector<double> crossings = cell_crossings(medium, from, to);
+    const double length = glm::distance(from, to);
+    glm::dvec3 radiance(0.0);
+    double passed = 1.0, front = density(medium, from);
+    for (std::size_t cell = 0; cell + 1 < crossings.size(); ++cell) {
+        const double share = (crossings[cell + 1] - crossings[cell]) / points;
+        for (int i = 1; i <= points && share > 0.0; ++i) {
+            const double back = density(medium, glm::mix(from, to, crossings[cell] + share * i));
+            const glm::dvec4 there = sent(ramp, front, back, share * length, 1);
+            radiance += passed * glm::dvec3(there);
+            passed *= there.w;
+            front = back;
+        }
+    }
+    return {radiance, passed};
 }
 
 std::vector<glm::dvec4> table(const Ramp &ramp, double low, double high, int entries, double length) {
