@@ -84,8 +84,11 @@ public:
                 constexpr double GAUSS = 0.5 / std::numbers::sqrt3;
                 const auto at = [&](double x) { return Text().cubic_at(cubic, low + share * x); };
                 const std::size_t part = transfer.part_of(at(0.5));
-                const Emitted first = transfer.at(part, at(0.5 - GAUSS)), second = transfer.at(part, at(0.5 + GAUSS));
-                sum = before(sum, sent_by(line_through(first, second, share * length)));
+                // Between stops closer than a crossing is exact, a line is steep enough to leave all bounds outside.
+                const auto emitted = [&](double s) { return transfer.at(part, transfer.clamped(part, s)); };
+                const Text::Stretch line =
+                    line_through(emitted(at(0.5 - GAUSS)), emitted(at(0.5 + GAUSS)), share * length);
+                sum = before(sum, sent_by(line));
             }
         }
         return sum;

@@ -43,6 +43,12 @@ std::size_t TransferFunction::part_of(double s) const {
     return static_cast<std::size_t>(std::upper_bound(given.stops.begin(), given.stops.end(), s) - given.stops.begin());
 }
 
+double TransferFunction::clamped(std::size_t part, double s) const {
+    const std::vector<double> &stops = given.stops;
+    const double above = part > 0 ? std::max(s, stops[part - 1]) : s;
+    return part < stops.size() ? std::min(above, stops[part]) : above;
+}
+
 Emitted TransferFunction::at(std::size_t number, double s) const {
     const Part &part = parts[number];
     const double u = (s - part.from) / part.width;
@@ -56,12 +62,20 @@ Emitted TransferFunction::integral(double s) const {
 }
 
 Emitted TransferFunction::mean(double a, double b) const {
-    const std::size_t part = part_of(a);
-    if (part == part_of(b)) { // the difference of the integrals would cancel
-        const double share = (b - a) / parts[part].width;
-        return 0.5 * (at(part, a) + at(part, b)) + parts[part].bow * (share * share / 6.0);
+    const auto within = [this](std::size_t number, double from, double to) {
+        const double share = (to - from) / parts[number].width;
+        return 0.5 * (at(number, from) + at(number, to)) + parts[number].bow * (share * share / 6.0);
+    };
+    const double low = std::min(a, b), high = std::max(a, b);
+    const std::size_t first = part_of(low), last = part_of(high);
+    if (first == last) {
+        return within(first, low, high);
     }
-    return (integral(b) - integral(a)) / (b - a);
+    // The difference of two integrals would cancel where both ends are close to a stop.
+    const double from = given.stops[first], to = given.stops[last - 1];
+    const Emitted sum = (from - low) * within(first, low, from) + (parts[last].before - parts[first + 1].before) +
+                        (high - to) * within(last, to, high);
+    return sum / (high - low);
 }
 
 Text::Stretch TransferFunction::stretch(std::size_t number, double front, double back, double length) const {

@@ -44,6 +44,7 @@ public:
 
     // Parts end at the stops: 0 lies before the first one, and so on.
     [[nodiscard]] std::size_t part_of(double s) const;
+    [[nodiscard]] double clamped(std::size_t part, double s) const; // to the part
     // Beyond its ends a part goes on as its own polynomial.
     [[nodiscard]] Emitted at(std::size_t part, double s) const;
     // A stretch of a ray on which s goes from `front` to `back`, both in one part.

@@ -38,6 +38,7 @@ PYBIND11_MODULE(sfumato, m) {
     bind_opacity(m);
     bind_pictures(m);
     bind_ray_storage(m);
+    bind_transfer(m); // whose types the reference takes
     bind_transparency(m);
 
     m.def(

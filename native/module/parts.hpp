@@ -19,9 +19,11 @@ void bind_reference(pybind11::module_ &m);
 void bind_reference_area_light(pybind11::module_ &reference);
 void bind_scene(pybind11::module_ &m);
 void bind_scene_parts(pybind11::module_ &m);
+void bind_transfer(pybind11::module_ &m);
 void bind_transparency(pybind11::module_ &m);
 void bind_visibility(pybind11::module_ &m);
 void bind_reference_microfacet(pybind11::module_ &reference);
+void bind_reference_transfer(pybind11::module_ &reference);
 
 void refuse_plainly(pybind11::module_ &m); // the functions that are there by then
 

@@ -135,6 +135,7 @@ A lamp of pi W/sr, 2 m away from a white wall, gives it an irradiance of pi / 4:
 [0.25, 0.25, 0.25, 1.0]
 )");
     bind_reference_microfacet(m);
+    bind_reference_transfer(m);
 }
 
 } // namespace sfumato

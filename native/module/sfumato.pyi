@@ -239,6 +239,32 @@ class Mesh:
     def triangles(self) -> int:
         """How many there are."""
 
+class PreintegratedTable:
+    """What a step of a ray sends to the eye, by the values at both its ends."""
+
+    def __init__(
+        self,
+        transfer: TransferFunction,
+        steps: ArrayLike,
+        entries: int = 256,
+        low: float = 0.0,
+        high: float = 1.0,
+        self_attenuation: str = "full",
+    ) -> None: ...
+    def look_up(self, front: ArrayLike, back: ArrayLike, step: int = 0) -> NDArray[numpy.float64]:
+        """(..., 4): radiance, RGB, and transmittance, bilinear between entries; `step` is the number of one of
+        steps.
+        """
+    def rebuild(self, transfer: TransferFunction) -> int:
+        """Makes it, to the last bit, the table of another TransferFunction. Returns how many entries it went
+        through: those whose values lie around what changed.
+        """
+    @property
+    def values(self) -> NDArray[numpy.float32]:
+        """(k, entries, entries, 4) float32, a copy: by step, value in front, value behind; radiance, RGB, and
+        opacity.
+        """
+
 class Prepared:
     """What outlives a frame: the meshes, light maps and lit smoke of the last one, and the threads that make them, as many as `threads` says, or all for 0. Of the next frame only what has changed is made."""
 
@@ -404,6 +430,28 @@ class Scene:
         place to 1e-7 of its distance from there. Cameras are, too.
         """
 
+class TransferFunction:
+    """Extinction and emission of smoke as functions of one number: a ramp."""
+
+    def __init__(
+        self,
+        stops: ArrayLike,
+        extinction: ArrayLike,
+        colour: ArrayLike,
+        interpolation: str = "linear",
+        associated: bool = True,
+    ) -> None: ...
+    def at(self, s: ArrayLike) -> NDArray[numpy.float64]:
+        """(..., 4) float64: emission, RGB, and extinction, both per unit of length, at values (...)."""
+    def integral(self, s: ArrayLike) -> NDArray[numpy.float64]:
+        """(..., 4) float64: the integral of at() from the first stop to values (...), exact but for rounding."""
+    def segment(
+        self, front: ArrayLike, back: ArrayLike, length: float = 1.0, self_attenuation: str = "full"
+    ) -> NDArray[numpy.float64]:
+        """(..., 4) float64: what a length of smoke sends to the eye, radiance, RGB, and transmittance, where the
+        value goes straight from front (...) to back (...). As entries of a PreintegratedTable, without a table.
+        """
+
 class Visibility:
     """What an object is to the camera and to lights."""
 
@@ -420,6 +468,33 @@ def choose_basis(
     depth: ArrayLike, optical_depth: ArrayLike, bytes: int = 20, additive: bool = False, width: float = 0.0
 ) -> RayStorage:
     """The RayStorage that serves a sample of a scene's rays best in at most `bytes` a texel, and why."""
+
+def choose_classification(
+    density: ArrayLike,
+    start: ArrayLike,
+    end: ArrayLike,
+    transfer: TransferFunction,
+    step: float = 1.0,
+    error: float = 0.001,
+    entries: int = 256,
+) -> tuple[Any, ...]:
+    """The method of classify that a ramp needs, and the errors of those that step: root mean square over the rays by
+    the mean radiance, against "split". The cheapest of them whose error is at most `error` and within a fiftieth
+    of the best; where there is none, "split". The other arguments as in classify.
+    """
+
+def classify(
+    density: ArrayLike,
+    start: ArrayLike,
+    end: ArrayLike,
+    transfer: TransferFunction,
+    method: str = "split",
+    step: float = 1.0,
+    entries: int = 256,
+) -> tuple[Any, ...]:
+    """What smoke sends along rays under a TransferFunction: (..., 4), radiance, RGB, and transmittance; and (...),
+    how many samples of the smoke that took.
+    """
 
 def composite_fourier(depth: ArrayLike, alpha: ArrayLike, colour: ArrayLike, terms: int = 4, sigma: float = 1.0) -> Any:
     """Transparent fragments by a Fourier series, as published: Song, "order-independent transparency with Fourier
@@ -692,11 +767,28 @@ class reference:  # a module
     ) -> NDArray[numpy.float64]:
         """The image of a scene with single scattering: (height, width, 4) float64, row 0 at the bottom."""
     @staticmethod
+    def sent(
+        transfer: TransferFunction, front: ArrayLike, back: ArrayLike, length: float = 1.0, intervals: int = 400
+    ) -> NDArray[numpy.float64]:
+        """(..., 4): TransferFunction.segment() by Simpson's rule, in so many intervals between any two stops."""
+    @staticmethod
+    def sent_along(
+        transfer: TransferFunction, density: ArrayLike, start: ArrayLike, end: ArrayLike, points: int = 256
+    ) -> NDArray[numpy.float64]:
+        """(..., 4): what classify() approximates, by straight lines between so many points of each cell."""
+    @staticmethod
     def sphere_integral(
         centre: ArrayLike, radius: ArrayLike, axis: ArrayLike, exponent: ArrayLike, normal: ArrayLike | None = None
     ) -> NDArray[numpy.float64]:
         """The same over spheres, by adaptive quadrature along their outlines. Arguments as in
         sfumato.sphere_integral.
+        """
+    @staticmethod
+    def table(
+        transfer: TransferFunction, step: float, entries: int = 64, low: float = 0.0, high: float = 1.0
+    ) -> NDArray[numpy.float64]:
+        """(entries, entries, 4): radiance and transmittance, each entry by itself, slab by slab, in each of which
+        extinction and emission are what they are in its middle.
         """
     @staticmethod
     def transmittance(depth: ArrayLike, alpha: ArrayLike, d: ArrayLike) -> NDArray[numpy.float64]:

@@ -84,6 +84,15 @@ VALUES: dict[str, Any] = {
     "names": ["position", "mist"],
     "opacity": 0.5,
     "Scene.add_particles.points": [[0, 0, 0], [0, 0, 1]],
+    "stops": [0, 1],
+    "TransferFunction.__init__.colour": [(1, 1, 1), (0, 0, 0)],
+    "transfer": sfumato.TransferFunction([0, 1], [0, 2], [(1, 1, 1), (0, 0, 0)]),
+    "s": [0.5],
+    "front": [0.2],
+    "back": [0.7],
+    "step": 1.0,
+    "steps": [1.0],
+    "TransferFunction.__init__.extinction": [0, 2],
     "RayStorage.transmittance.texels": STORAGE.store(RAYS, RAYS),
     "transmittance.coefficients": sfumato.project(RAYS, RAYS),
     "transmittance_before.coefficients": sfumato.project(RAYS, RAYS),
@@ -128,6 +137,8 @@ def call(name: str, arguments: dict[str, Any]) -> Any:
         "Scene": scene,
         "Frame": lambda: sfumato.Frame(scene(), coefficients=3),
         "RayStorage": lambda: STORAGE,
+        "TransferFunction": lambda: VALUES["transfer"],
+        "PreintegratedTable": lambda: sfumato.PreintegratedTable(VALUES["transfer"], [1.0], entries=8),
     }
     return getattr(made[owner]() if owner in made else getattr(sfumato, owner), own)(**arguments)
 

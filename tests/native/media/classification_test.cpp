@@ -14,6 +14,7 @@
 namespace sfumato {
 namespace {
 
+using testing::cliffs;
 using testing::edges;
 using testing::judged;
 using testing::peaks;
@@ -116,6 +117,7 @@ TEST(Split, IsExactInTheRoughestSmoke) {
     EXPECT_LT(error_of(rough(), peaks(), Classification::SPLIT, 1.0, rays), 3e-4);
     EXPECT_LT(error_of(rough(), steps(), Classification::SPLIT, 1.0, rays), 3e-4);
     EXPECT_LT(error_of(rough(), edges(), Classification::SPLIT, 1.0, rays), 3e-4);
+    EXPECT_LT(error_of(rough(), cliffs(), Classification::SPLIT, 1.0, rays), 3e-4);
 }
 
 TEST(Split, TakesThreeSamplesACell) {

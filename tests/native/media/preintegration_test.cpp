@@ -79,9 +79,18 @@ TEST(TransferFunction, IntegratesExactly) {
                 mean += judged(ramp)(a + (b - a) * (i + 0.5) / N) / double{N};
             }
             EXPECT_LT(difference_of(transfer.mean(a, b), mean), 2e-4) << a << " to " << b; // a step, missed by half
+            EXPECT_EQ(transfer.mean(b, a), transfer.mean(a, b));
             const glm::dvec4 both = transfer.integral(b) - transfer.integral(a);
             EXPECT_LT(difference_of(transfer.mean(a, b) * (b - a), both), 1e-14) << a << " to " << b;
         }
+    }
+}
+
+TEST(TransferFunction, HasAMeanAcrossAStopHoweverCloseBothEnds) {
+    const TransferFunction transfer(steps());
+    for (double apart = 1e-3; apart > 1e-15; apart *= 0.1) {
+        const Emitted mean = transfer.mean(0.42 - apart, 0.42 + apart);
+        EXPECT_LT(difference_of(mean, 0.5 * (transfer.at(0.41) + transfer.at(0.43))), 1e-9 + 1e-16 / apart) << apart;
     }
 }
 

@@ -43,6 +43,11 @@ inline Ramp edges() {
     return ramp_of({0.0, 0.3, 0.30001, 0.7, 0.70001, 1.0}, {0.0, 0.0, 1.0, 1.0, 0.2, 0.9}, true, true);
 }
 
+// Stops as close as numbers are.
+inline Ramp cliffs() {
+    return ramp_of({0.0, 0.3, std::nextafter(0.3, 1.0), 0.7, 0.7 + 1e-12, 1.0}, {0.0, 0.0, 1.0, 1.0, 0.0, 0.5});
+}
+
 inline Ramp times(Ramp ramp, double factor) {
     for (std::size_t i = 0; i < ramp.stops.size(); ++i) {
         ramp.extinction[i] *= factor;
