@@ -130,6 +130,15 @@ TEST(Stretch, OfOneColourIsOpacityTimesThatColour) {
         1e-6);
 }
 
+// One piece, which hardly bends, of smoke that glows at one end.
+TEST(Stretch, MayGlowUnevenlyWhereItBends) {
+    const Ramp ramp{{0.0, 1.0}, {2.0, 2.0099}, {glm::dvec3(0.0), glm::dvec3(1.0, 2.0, 10.0)}, true, true};
+    for (const double front : {0.0, 1.0}) {
+        const Sent sent = sent_by(TransferFunction(ramp), front, 1.0 - front, 1.0);
+        EXPECT_LT(difference_of(sent, reference::sent(judged(ramp), front, 1.0 - front, 1.0)), 1e-5);
+    }
+}
+
 // However abrupt: of a wall, its front is seen.
 TEST(Stretch, OfSmokeThatIsOpaqueAtOnceIsFinite) {
     for (const double depth : {1e3, 1e6, 1e30}) {
