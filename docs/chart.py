@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/cycles.png, denoised.png, lights.png, cost.png, arealights.png, lightmaps.png, bases.png and oit.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
+"""docs/cycles.png, denoised.png, lights.png, cost.png, arealights.png, lightmaps.png, bases.png, oit.png and preintegration.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
 
 from __future__ import annotations
 
@@ -238,6 +238,42 @@ def transparency_chart() -> None:
     save(figure, "oit", 90)
 
 
+RAMP_CASES = {"smooth": "a smooth ramp", "ramp": "constants", "peaks": "four narrow peaks"}
+RAMP_METHODS = {"post-classified": CYCLES, "mean-source": "tab:blue", "full": "tab:green", "split": SFUMATO}
+
+
+def preintegration_chart() -> None:
+    """Error against samples of the smoke; `auto` is a ring around what it chose."""
+    rows = rows_of("preintegration")
+    figure, panels = plt.subplots(1, 3, figsize=(10.0, 3.9), sharey=True)
+    for (case, title), axes in zip(RAMP_CASES.items(), panels):
+        own = [row for row in rows if row["case"] == case]
+        for method, colour in RAMP_METHODS.items():
+            line = [row for row in own if row["method"] == method]
+            errors = column(line, "error", 100.0)
+            marker = {"split": "D", "mean-source": "o-"}.get(method, "o--")  # two of them lie on each other
+            axes.loglog(column(line, "samples"), errors, marker, color=colour, markersize=5, label=method)
+        auto = [row for row in own if row["method"] == "auto"]
+        axes.loglog(
+            column(auto, "samples"),
+            column(auto, "error", 100.0),
+            "o",
+            color="black",
+            markerfacecolor="none",
+            markersize=11,
+            label="auto, .2 % asked for",
+        )
+        axes.set_title(title, fontsize=10)
+        axes.set_xlabel("samples of the smoke a voxel", fontsize=9)
+        axes.set_xticks([0.5, 1.0, 2.0, 4.0], ["½", "1", "2", "4"])
+        axes.minorticks_off()
+        axes.margins(0.12, 0.12)
+        axes.grid(True, which="both", alpha=0.25)
+    panels[0].set_ylabel("RMSE of radiance by its mean, %", fontsize=9)
+    panels[0].legend(fontsize=7)
+    save(figure, "preintegration", 90)
+
+
 def main() -> None:
     cycles_chart()
     denoised_chart()
@@ -247,6 +283,7 @@ def main() -> None:
     light_maps_chart()
     bases_chart()
     transparency_chart()
+    preintegration_chart()
 
 
 if __name__ == "__main__":

@@ -206,6 +206,14 @@ def transparency() -> tuple[Sequence[Row], list[str]]:
     return composited()
 
 
+def preintegrated() -> tuple[Sequence[Row], list[str]]:
+    """Transfer functions: ways through real smoke, and building tables."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_preintegration import preintegration
+
+    return preintegration()
+
+
 def package() -> tuple[Sequence[Row], list[str]]:
     """The module that packaging/release made, against the one of this build."""
     from bench_package import package as both
@@ -224,6 +232,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "lights": lights,
     "oit": transparency,
     "package": package,
+    "preintegration": preintegrated,
     "versions": versions,
 }
 

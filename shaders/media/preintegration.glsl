@@ -161,8 +161,7 @@ float cubic_crossing(Cubic cubic, float low, float high, float value)
   float rising = pick(cubic_at(cubic, low) < cubic_at(cubic, high), 1.0f, -1.0f);
   float u = 0.5f * (low + high);
   float moved = high - low;
-  float steps = 0.0f;
-  while (any_lane(abs(moved) > 1e-7f) && steps < 24.0f) {
+  for (int k = 0; k < 24 && any_lane(abs(moved) > 1e-7f); ++k) {
     float above = (cubic_at(cubic, u) - value) * rising;
     low = pick(above > 0.0f, low, u);
     high = pick(above > 0.0f, u, high);
@@ -171,7 +170,6 @@ float cubic_crossing(Cubic cubic, float low, float high, float value)
     float next = pick(newton > low && newton < high, newton, 0.5f * (low + high));
     moved = next - u;
     u = next;
-    steps = steps + 1.0f;
   }
   return u;
 }

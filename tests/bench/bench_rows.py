@@ -89,3 +89,10 @@ class TransparencyRow(Row):
     covered: float  # the share of the picture that any fragment covers
     mean_fragments: float  # of a covered pixel
     most_fragments: int
+
+
+class RampRow(Row):
+    """One way through smoke under a ramp, seconds a ray; or to build a table, of which the error is the most of any entry."""
+
+    step: float | None  # voxels
+    samples: float | None  # of the smoke, a voxel

@@ -15,7 +15,8 @@ import pytest
 
 from bench import growth, light_remarks, seconds_at_error, table
 from bench_denoised import remarks, series
-from bench_rows import CostRow, LightRow, RayRow, Row
+from bench_preintegration import said
+from bench_rows import CostRow, LightRow, RampRow, RayRow, Row
 from bench_versions import changes, rows_of, worst
 from blender_run import ROOT, run_script
 
@@ -163,6 +164,23 @@ def test_growth_is_told_for_each_series_and_for_empty_space() -> None:
         "128^3, map-256: 8.00 times the occupied cells of 64^3, map-128, in 8.00 times the time: exponent 1.00",
         "64^3 in 256^3, map-512: 1.25 times the time without the empty space",
     ]
+
+
+def test_a_ramp_is_said_by_step_against_the_best_that_steps() -> None:
+    def ramp_row(method: str, step: float | None, error: float) -> RampRow:
+        return RampRow(
+            case="smooth", method=method, metric="", error=error, seconds=1.0, bytes=None, step=step, samples=4.5
+        )
+
+    rows = [ramp_row("split", None, 1e-5)]
+    for step, error in ((2.0, 0.04), (1.0, 0.016), (0.5, 0.004), (0.25, 0.001)):
+        rows += [ramp_row(method, step, error) for method in ("post-classified", "mean-source")]
+        rows += [ramp_row("full", step, 0.5 * error), ramp_row("auto", step, 0.51 * error)]
+    loosest = dict.fromkeys((2.0, 1.0, 0.5, 0.25), "full") | {1.0: "mean-source"}
+    assert said("smooth", rows, loosest) == (
+        "smooth: split 0.0010 % at 4.50 samples a voxel; of the best that steps, auto has at most 1.02, and 2.00 where any"
+        " error will do; post-classified is of order 2.00 below a voxel"
+    )
 
 
 def test_blender_finds_numpy_beside_a_foreign_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
