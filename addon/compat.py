@@ -75,15 +75,17 @@ def subdivides_on_the_gpu(thing: Any) -> bool:
     return not bpy.app.background and any(modifier.type == "SUBSURF" for modifier in thing.modifiers)
 
 
-def instance_matrices(depsgraph: Any) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Of each of the depsgraph's object instances, whether it is shown itself, (n,), and its matrix, (n, 4, 4)."""
+def instance_matrices(depsgraph: Any) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float64]]:
+    """Of each of the depsgraph's object instances, whether it is shown itself, (n,), whether its particles are, (n,), and
+    its matrix, (n, 4, 4)."""
     instances = depsgraph.object_instances
     count = len(instances)
-    shown = np.empty(count, dtype=bool)
+    shown, emits = np.empty(count, dtype=bool), np.empty(count, dtype=bool)
     instances.foreach_get("show_self", shown)
+    instances.foreach_get("show_particles", emits)
     matrices = np.empty(count * 16, dtype=np.float32)
     instances.foreach_get("matrix_world", matrices)
-    return shown, matrices.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64)
+    return shown, emits, matrices.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64)
 
 
 def light_colour(light: Any) -> NDArray[np.float64]:

@@ -60,13 +60,69 @@ class SfumatoSettings(bpy.types.PropertyGroup):
     )
 
 
+def _changed(own: bpy.types.PropertyGroup, _context: Any) -> None:
+    """What a script sets reaches no view by itself. The particles stay where they are: another tag would have them
+    simulated anew."""
+    own.id_data.update_tag()
+
+
+class SfumatoParticles(bpy.types.PropertyGroup):
+    """Of particle settings."""
+
+    shown: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Show as Smoke",
+        description="Show each particle as a soft puff of smoke. Other engines show none of those that render as Halo",
+        default=True,
+        update=_changed,
+    )
+    opacity: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Opacity",
+        description="The share of light that a puff takes through its middle, where its material does not say: that is, "
+        "has no volume and is not seen through",
+        default=0.3,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_changed,
+    )
+    color: bpy.props.FloatVectorProperty(  # type: ignore[valid-type]
+        name="Color",
+        description="Of the light that a puff takes, the share that it scatters, where its material does not say",
+        default=(0.8, 0.8, 0.8),
+        min=0.0,
+        max=1.0,
+        subtype="COLOR",
+        update=_changed,
+    )
+    size: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Size",
+        description="How many times as large as its particle a puff is. Its radius is the particle's Scale, times this",
+        default=4.0,
+        min=0.0,
+        soft_max=20.0,
+        update=_changed,
+    )
+    anisotropy: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Anisotropy",
+        description="Whether a puff scatters light forward, above 0, or back, where its material does not say",
+        default=0.0,
+        min=-0.999,
+        max=0.999,
+        update=_changed,
+    )
+
+
 def register() -> None:
     bpy.utils.register_class(SfumatoSettings)
+    bpy.utils.register_class(SfumatoParticles)
     bpy.types.Scene.sfumato = bpy.props.PointerProperty(type=SfumatoSettings)
+    bpy.types.ParticleSettings.sfumato = bpy.props.PointerProperty(type=SfumatoParticles)
 
 
 def unregister() -> None:
+    del bpy.types.ParticleSettings.sfumato
     del bpy.types.Scene.sfumato
+    bpy.utils.unregister_class(SfumatoParticles)
     bpy.utils.unregister_class(SfumatoSettings)
 
 
@@ -74,3 +130,9 @@ def of(scene: Any) -> SfumatoSettings:
     """The settings of a scene."""
     settings: SfumatoSettings = scene.sfumato
     return settings
+
+
+def of_particles(settings: Any) -> SfumatoParticles:
+    """Those of particle settings."""
+    own: SfumatoParticles = settings.sfumato
+    return own

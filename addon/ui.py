@@ -215,6 +215,32 @@ class SfumatoPassesPanel(bpy.types.Panel):
                 column.prop(view_layer, each.switch)
 
 
+class SfumatoParticlesPanel(bpy.types.Panel):
+    """In whatever engine: the smoke is over Solid mode in each."""
+
+    bl_idname = "SFUMATO_PT_particles"
+    bl_label = "Sfumato: Smoke Particles"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "particle"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        system = context.particle_system
+        return system is not None and system.settings.type != "HAIR" and system.settings.render_type == "HALO"
+
+    def draw_header(self, context: Any) -> None:
+        self.layout.prop(props.of_particles(context.particle_system.settings), "shown", text="")
+
+    def draw(self, context: Any) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        own = props.of_particles(context.particle_system.settings)
+        layout.active = own.shown
+        for name in ("size", "opacity", "color", "anisotropy"):
+            layout.prop(own, name)
+
+
 class SfumatoPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
@@ -236,6 +262,7 @@ CLASSES = (
     SfumatoRenderNoticesPanel,
     SfumatoRenderStagesPanel,
     SfumatoPassesPanel,
+    SfumatoParticlesPanel,
     SfumatoPreferences,
 )
 

@@ -93,10 +93,7 @@ def smoke_of(thing: Any, depsgraph: Any, notices: list[str]) -> Smoke | None:
         node = linked_node(output, "Volume") if output is not None else None
         if node is None or node.mute:
             continue
-        if node.type == "PRINCIPLED_VOLUME":
-            return _principled_smoke(node, thing.name, notices)
-        notices.append(f"{thing.name}: its volume shader {node.bl_rna.name} is shown as white smoke of density 1")
-        return _WHITE
+        return _of_shader(node, thing.name, notices)
     if thing.type == "VOLUME":
         return None
     notices.append(f"{thing.name}: no Principled Volume in its material; shown as white smoke of density 1")
@@ -104,6 +101,25 @@ def smoke_of(thing: Any, depsgraph: Any, notices: list[str]) -> Smoke | None:
 
 
 _WHITE = Smoke(np.ones(3), np.zeros(3))
+
+
+def of_points(shader: Any, name: str, notices: list[str]) -> Smoke:
+    """How a volume shader would look in a puff, which Cycles has none of."""
+    if shader.type not in {"VOLUME_SCATTER", "VOLUME_ABSORPTION"}:
+        return _of_shader(shader, name, notices)
+    density = max(0.0, value_of(shader, "Density", name, notices))
+    colour = np.clip(value_of(shader, "Color", name, notices), 0.0, 1.0)
+    if shader.type == "VOLUME_ABSORPTION":
+        return Smoke(np.zeros(3), density * (1.0 - colour))
+    anisotropy = float(np.clip(value_of(shader, "Anisotropy", name, notices), -0.999, 0.999))
+    return Smoke(density * colour, np.zeros(3), anisotropy)
+
+
+def _of_shader(shader: Any, name: str, notices: list[str]) -> Smoke:
+    if shader.type == "PRINCIPLED_VOLUME":
+        return _principled_smoke(shader, name, notices)
+    notices.append(f"{name}: its volume shader {shader.bl_rna.name} is shown as white smoke of density 1")
+    return _WHITE
 
 
 def _principled_smoke(node: Any, name: str, notices: list[str]) -> Smoke:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import lights, materials, meshes, omissions, smoke, surfaces, visibility
+from . import lights, materials, meshes, omissions, particles, smoke, surfaces, visibility
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -73,19 +73,23 @@ class _Group:
         return kinds
 
 
+Seen = dict[int, Visibility]
+
+
 def _visibilities(
-    depsgraph: Any, flags: visibility.Flags, groups: list[_Group], smoke_places: set[int]
-) -> dict[int, Visibility]:
-    """What places are to the camera and to lights, if any of them may not be plain: by then all lights are known."""
-    found: dict[int, Visibility] = {}
+    depsgraph: Any, flags: visibility.Flags, surface_places: set[int], smoke_places: set[int]
+) -> tuple[Seen, Seen]:
+    """What places are to the camera and to lights, if any of them may not be plain: of surfaces, and of smoke. By then all
+    lights are known."""
+    of_surfaces: Seen = {}
+    of_smoke: Seen = {}
     if flags.matter:
-        surface_places = {place for group in groups for place in group.places}
         for number, instance in enumerate(depsgraph.object_instances):
             if number in surface_places:
-                found[number] = flags.visibility_of(instance)
-            elif number in smoke_places:
-                found[number] = flags.of_smoke(instance)
-    return found
+                of_surfaces[number] = flags.visibility_of(instance)
+            if number in smoke_places:
+                of_smoke[number] = flags.of_smoke(instance)
+    return of_surfaces, of_smoke
 
 
 def filter_of(space: Any) -> tuple[Any, ...]:
@@ -120,17 +124,22 @@ def export(
     flags = visibility.Flags(depsgraph, out.notices)
     media: list[tuple[int, str, smoke.Medium]] = []
     groups: dict[tuple[int, int], _Group | None] = {}
-    shown, matrices = compat.instance_matrices(depsgraph)
-    origin = origin_of(matrices[shown, :3, 3])
+    shown, emits, matrices = compat.instance_matrices(depsgraph)
+    origin = origin_of(matrices[shown | emits, :3, 3])
     matrices[:, :3, 3] -= origin
     out.scene.set_origin(origin)
+    points = particles.Particles(depsgraph, origin, out.notices)
     filtered, lies_over = bool(filter_of(space)), omissions.lies_over(space)
     said_of: set[int] = set()  # objects
     for number, instance in enumerate(depsgraph.object_instances):
-        if not shown[number]:
+        if not (shown[number] or emits[number]):
             continue
         thing = instance.object
         if filtered and not thing.visible_in_viewport_get(space):
+            continue
+        if emits[number] and layer.use_volumes:
+            points.add_systems(number, instance, matrices[number])
+        if not shown[number]:
             continue
         key = _group_key(thing)
         if key in groups:
@@ -154,6 +163,9 @@ def export(
                 continue
             if not (layer.use_volumes if thing.type == "VOLUME" else layer.use_solid):
                 continue
+            if thing.type == "POINTCLOUD":
+                points.add_cloud(number, thing, matrices[number])
+                continue
             medium = smoke.medium_of(thing, matrices[number], depsgraph, parts, out.notices)
             if medium is not None:
                 omissions.of_smoke(thing, out.notices)
@@ -172,15 +184,21 @@ def export(
             if isinstance(error, smoke.Missing):
                 out.missing.append(out.notices[-1])
     solids = [group for group in groups.values() if group is not None]
-    seen = _visibilities(depsgraph, flags, solids, {number for number, *_ in media})
+    seen, smoke_seen = _visibilities(
+        depsgraph,
+        flags,
+        {place for group in solids for place in group.places} | points.numbers(puffs=False),
+        {number for number, *_ in media} | points.numbers(puffs=True),
+    )
     for group in solids:
         for kind, which in group.divided(seen).items():
             lit += add_surfaces(out, group, which, matrices, *kind)
+    add_points(out, points, parts, seen, smoke_seen)
     if lit == 0:
         out.notices.append("No light: nothing is lit. Add one, or raise its strength")
     if lit > MOST_LIGHTS:
         out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
-    add_media(out, [(name, medium, seen.get(number)) for number, name, medium in media])
+    add_media(out, [(name, medium, smoke_seen.get(number)) for number, name, medium in media])
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:
         world = materials.background(depsgraph, looks) if layer.use_sky else (0.0, 0.0, 0.0)
@@ -291,6 +309,26 @@ def add_surfaces(
         each = np.broadcast_to(radiance, (len(corners), 3))
         lit += lights.add_emitters(out.scene, corners, each, group.name, out.notices, reach)
     return lit
+
+
+def add_points(out: Export, points: particles.Particles, parts: Parts, seen: Seen, smoke_seen: Seen) -> None:
+    """Particles and the points of clouds, as puffs or as spheres."""
+    for body in points.bodies:
+        for kind, which in body.divided(seen if body.surface else smoke_seen).items():
+            if body.surface is None:
+                particles.add_puffs(out.scene, body, which, kind, out.notices)
+                continue
+            if body.is_uneven(which):
+                out.notices.append(
+                    f"{body.name}: its uneven scale makes true ellipsoids of its points, unlike in Cycles"
+                )
+            places = body.spheres(which)
+            numbers = list(range(len(places)))
+            indices = [body.object_index] * len(places)
+            group = _Group(
+                body.name, meshes.sphere(parts), [body.surface], None, [body.material_index], numbers, indices
+            )
+            add_surfaces(out, group, numbers, places, kind, None)
 
 
 def add_media(out: Export, media: list[tuple[str, smoke.Medium, Visibility | None]]) -> None:

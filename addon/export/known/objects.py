@@ -10,7 +10,6 @@ SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
 _GREASE_PENCIL = "Grease Pencil is laid over the picture by Blender, whatever is before it"
 UNSHOWN = {
     "CURVES": "hair curves are not shown",
-    "POINTCLOUD": "point clouds are not shown",
     "GPENCIL": _GREASE_PENCIL,
     "GREASEPENCIL": _GREASE_PENCIL,
 }

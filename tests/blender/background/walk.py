@@ -206,7 +206,6 @@ def test_what_takes_more_than_a_property_is_said_once_too() -> None:
 def test_types_of_objects_that_are_not_shown_are_named() -> None:
     made: dict[str, Callable[[], Any]] = {
         "CURVES": lambda: bpy.data.hair_curves.new("Thing"),
-        "POINTCLOUD": lambda: bpy.data.pointclouds.new("Thing"),
         "GPENCIL": lambda: bpy.data.grease_pencils.new("Thing"),
         "GREASEPENCIL": lambda: getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils).new("Thing"),
     }
