@@ -7,6 +7,7 @@ python3 docs/followed.py >docs/followed.md
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 import textwrap
 from collections.abc import Iterator
@@ -59,6 +60,8 @@ def kind(tables: list[Any], title: str) -> Iterator[str]:
         yield from bullets(followed)
     said = {sentence(named): None for table in tables for named in table.named}
     unshown = dict.fromkeys(objects.UNSHOWN.values()) if title == "Objects" else {}
+    if title == "Objects":
+        said.update((f"*{re.sub('{[a-z]+}', '…', words)}*", None) for words in objects.POINTS.values())
     if said or unshown:
         yield "\nNamed, in these words:\n"
         yield from bullets([*unshown, *said])

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from .. import props
 from ..limits import MOST_SPHERES
 from . import materials, surfaces, visibility
+from .known.objects import POINTS
 
 Floats = NDArray[np.float32]
 
@@ -133,7 +134,7 @@ class Particles:
             own = np.array(thing.matrix_world, dtype=np.float64)
             if abs(np.linalg.det(own[:3, :3])) < 1e-12:
                 scale = [round(part, 6) for part in thing.matrix_world.to_scale()]
-                self._say(thing, f"its scale {scale} leaves the particles of its instances no place")
+                self._say(thing, "flat", value=scale)
                 continue
             body.add(number, matrix @ np.linalg.inv(own))
 
@@ -156,23 +157,19 @@ class Particles:
             if settings.type == "HAIR" or settings.render_type != "HALO" or not props.of_particles(settings).shown:
                 continue
             if settings.type == "FLIP":  # what a liquid is made of
-                self._say(thing, f"its particle system '{settings.name}', the liquid's own, is not shown; its mesh is")
+                self._say(thing, "liquid", value=settings.name)
                 continue
             yield system
 
     def _of_system(self, thing: Any, system: Any) -> Body | None:
         settings = system.settings
         if settings.child_type != "NONE":
-            self._say(
-                thing, f"its particle system '{settings.name}' has children, which are not shown; their parents are"
-            )
+            self._say(thing, "children", value=settings.name)
         places, radii = alive(system, self._depsgraph.mode == "RENDER")
         if len(places) == 0:
-            frame = self._depsgraph.scene.frame_current
-            self._say(thing, f"no particle of '{settings.name}' is alive at frame {frame}")
+            self._say(thing, "dead", value=settings.name, frame=self._depsgraph.scene.frame_current)
             return None
-        whose = f"particles of '{settings.name}'"
-        places, radii = self._usable(thing, whose, places, radii * np.float32(props.of_particles(settings).size))
+        places, radii = self._usable(thing, places, radii * np.float32(props.of_particles(settings).size))
         slots = materials.materials_of(thing, self._depsgraph)
         material = slots[min(settings.material, len(slots)) - 1] if slots else None
         name, notices = thing.name, self._notices
@@ -182,7 +179,7 @@ class Particles:
 
     def _of_cloud(self, thing: Any, material: Any) -> Body | None:
         places, radii = points_of(thing.data)
-        places, radii = self._usable(thing, "points", places, radii)
+        places, radii = self._usable(thing, places, radii)
         body = Body(thing.name, places, radii, None, object_index=thing.pass_index)
         of_volume: list[str] = []
         of_surface: list[str] = []
@@ -195,30 +192,35 @@ class Particles:
         self._notices += of_surface
         if surface.transmittance.any():
             body.look = surface_look(surface, thing.name, self._notices)
-            self._say(thing, "its points, which are seen through, are shown as soft puffs, not as spheres")
+            self._say(thing, "soft")
         elif len(places) > MOST_SPHERES:
             body.look = surface_look(surface, thing.name, self._notices)
-            self._say(thing, f"its {len(places)} points are shown as soft puffs; up to {MOST_SPHERES} would be spheres")
+            self._say(thing, "many", value=len(places), most=MOST_SPHERES)
         else:
             body.surface, body.material_index = surface, 0 if material is None else material.pass_index
             if surface.emission.any():
-                self._say(thing, "its points glow, but light nothing")
+                self._say(thing, "glow")
         return self._shown(body)
 
-    def _usable(self, thing: Any, whose: str, places: Floats, radii: Floats) -> tuple[Floats, Floats]:
+    def _usable(self, thing: Any, places: Floats, radii: Floats) -> tuple[Floats, Floats]:
         """Those that have a place and a size."""
         placed, sized = (np.abs(places) < FARTHEST).all(axis=1), (radii >= 0.0) & (radii < FARTHEST)
-        for right, what in ((placed, "no finite place"), (sized, "no size of 0 or more")):
+        for right, key in ((placed, "misplaced"), (sized, "unsized")):
             if not right.all():
-                self._say(thing, f"{int((~right).sum())} of {len(places)} {whose} have {what}; left out")
+                self._say(thing, key, value=int((~right).sum()), all=len(places))
         usable = placed & sized & (radii > 0.0)
         return (places, radii) if usable.all() else (places[usable], radii[usable])
 
     def _shown(self, body: Body) -> Body | None:
         return body if len(body.places) else None
 
-    def _say(self, thing: Any, words: str) -> None:
-        self._notices.append(f"{thing.name}: {words}")
+    def _say(self, thing: Any, key: str, **values: Any) -> None:
+        self._notices.append(said(thing.name, key, **values))
+
+
+def said(name: str, key: str, **values: Any) -> str:
+    """A notice in the words of known/."""
+    return f"{name}: {POINTS[key].format(**values)}"
 
 
 def alive(system: Any, render: bool) -> tuple[Floats, Floats]:
@@ -265,7 +267,7 @@ def volume_look(material: Any, name: str, notices: list[str]) -> Look | None:
         return None
     smoke = materials.of_points(shader, name, notices)
     if smoke.tint or smoke.attribute not in {"", "density"}:
-        notices.append(f"{name}: its particles have no attribute '{smoke.tint or smoke.attribute}'; they are all alike")
+        notices.append(said(name, "alike", value=smoke.tint or smoke.attribute))
     most = float(smoke.extinction.max())
     albedo = np.divide(smoke.scattering, smoke.extinction, out=np.zeros(3), where=smoke.extinction > 0.0)
     relative = smoke.extinction / most if most > 0.0 else np.ones(3)
@@ -274,18 +276,18 @@ def volume_look(material: Any, name: str, notices: list[str]) -> Look | None:
 
 def seen_through_look(material: Any, name: str, notices: list[str]) -> Look | None:
     """By a material whose surface lets light through; None by any other."""
-    said: list[str] = []
-    surface = None if material is None else surfaces.surface_of(material, name, said)
+    of_surface: list[str] = []
+    surface = None if material is None else surfaces.surface_of(material, name, of_surface)
     if surface is None or not surface.transmittance.any():
         return None
-    notices += said
+    notices += of_surface
     return surface_look(surface, name, notices)
 
 
 def surface_look(surface: surfaces.Surface, name: str, notices: list[str]) -> Look:
     """That of puffs of which the middle hides as much as both sides of a sphere that has this surface."""
     if surface.emission.any():
-        notices.append(f"{name}: its puffs do not glow")
+        notices.append(said(name, "dark"))
     depths = -2.0 * np.log(np.clip(surface.transmittance, LEAST_LEFT, 1.0))
     most = float(depths.max())
     relative = depths / most if most > 0.0 else np.ones(3)
@@ -298,7 +300,9 @@ def panel_look(settings: Any, name: str, notices: list[str]) -> Look:
     opacity = float(own.opacity)
     if not 0.0 <= opacity <= 1.0:
         opacity = float(np.clip(np.nan_to_num(opacity), 0.0, 1.0))
-        notices.append(f"{name}: the opacity {own.opacity:.3g} of '{settings.name}' is taken for {opacity:.3g}")
+        notices.append(
+            said(name, "opacity", value=f"{own.opacity:.3g}", settings=settings.name, shown=f"{opacity:.3g}")
+        )
     return Look(np.clip(np.array(own.color), 0.0, 1.0), opacity, anisotropy=own.anisotropy)
 
 
@@ -307,7 +311,7 @@ def add_puffs(scene: Any, body: Body, which: list[int], seen: visibility.Visibil
     look = body.look
     assert look is not None
     if body.is_uneven(which):
-        notices.append(f"{body.name}: its puffs are round in spite of its uneven scale, and as large as it makes them")
+        notices.append(said(body.name, "round"))
     centres, radii = body.in_all_places(which)
     try:
         scene.add_particles(

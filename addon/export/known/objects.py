@@ -13,6 +13,23 @@ UNSHOWN = {
     "GPENCIL": _GREASE_PENCIL,
     "GREASEPENCIL": _GREASE_PENCIL,
 }
+# What is said of particles, which may be the points of a cloud.
+POINTS = {
+    "misplaced": "{value} of {all} particles have no finite place; left out",
+    "unsized": "{value} of {all} particles have no size of 0 or more; left out",
+    "dead": "no particle of '{value}' is alive at frame {frame}",
+    "children": "its particle system '{value}' has children, which are not shown; their parents are",
+    "liquid": "its particle system '{value}', the liquid's own, is not shown; its mesh is",
+    "opacity": "the opacity {value} of '{settings}' is taken for {shown}",
+    "alike": "its particles have no attribute '{value}'; they are all alike",
+    "dark": "its puffs do not glow",
+    "round": "its puffs are round in spite of its uneven scale, and as large as it makes them",
+    "flat": "its scale {value} leaves the particles of its instances no place",
+    "soft": "its points, which are seen through, are shown as soft puffs, not as spheres",
+    "many": "its {value} points are shown as soft puffs; up to {most} would be spheres",
+    "glow": "its points glow, but light nothing",
+    "uneven": "its uneven scale makes true ellipsoids of its points, unlike in Cycles",
+}
 
 _INTERFACE = "Blender's interface"
 _VIEWPORT = "how Blender's own viewport draws it"
@@ -46,6 +63,10 @@ OBJECT = Struct(
         "instances": "instance_type use_instance_vertices_rotation use_instance_faces_scale instance_faces_scale "
         "instance_collection is_instancer is_from_instancer is_from_set",
         "physics, by Blender": "field collision soft_body rigid_body rigid_body_constraint",
+        "particles that render as Halo, of which Cycles draws none, as soft puffs: by a volume or a surface that is seen "
+        "through, of the system's material, else by its panel Sfumato": "",
+        "particles that render as Object or Collection": "",
+        "point clouds: spheres, or by a volume, which Cycles ignores, soft puffs": "",
     },
     named=(
         Named("is_shadow_catcher", (False,), "smoke catches no shadow; it is shown as smoke", kinds=("VOLUME",),
