@@ -12,7 +12,6 @@ import shutil
 from pathlib import Path
 
 import bpy
-import pyopenvdb
 from mathutils import Vector
 
 HERE = Path(__file__).resolve().parent
@@ -123,6 +122,8 @@ def smoke() -> bpy.types.Object:
 
 def bake(domain: bpy.types.Object) -> None:
     """Run the simulation and keep of each frame's grids the one that is read, the density."""
+    import pyopenvdb  # which the scripts that borrow from this one do without
+
     shutil.rmtree(CACHE, ignore_errors=True)
     try:
         bpy.context.view_layer.update()
