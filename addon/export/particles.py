@@ -285,13 +285,15 @@ def seen_through_look(material: Any, name: str, notices: list[str]) -> Look | No
 
 
 def surface_look(surface: surfaces.Surface, name: str, notices: list[str]) -> Look:
-    """That of puffs of which the middle hides as much as both sides of a sphere that has this surface."""
+    """That of puffs of which the middle hides as much as both sides of a sphere that has this surface. They have its diffuse
+    part alone."""
     if surface.emission.any():
         notices.append(said(name, "dark"))
     depths = -2.0 * np.log(np.clip(surface.transmittance, LEAST_LEFT, 1.0))
     most = float(depths.max())
     relative = depths / most if most > 0.0 else np.ones(3)
-    return Look(np.clip(surface.albedo, 0.0, 1.0), opacity=-float(np.expm1(-most)), relative=relative)
+    albedo = surfaces.diffuse_share(surface) * surface.albedo / np.maximum(1.0 - surface.transmittance, LEAST_LEFT)
+    return Look(np.clip(albedo, 0.0, 1.0), opacity=-float(np.expm1(-most)), relative=relative)
 
 
 def panel_look(settings: Any, name: str, notices: list[str]) -> Look:

@@ -29,6 +29,7 @@ class Export:
     notices: list[str] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)  # of these, the smoke that should be there
     drawn: set[str] = field(default_factory=set)  # objects whose smoke a viewport draws
+    over_others: bool = False  # whether it is laid over a picture that has the surfaces, which then are opaque
 
 
 LATTICE = 256.0  # metres
@@ -117,7 +118,7 @@ def export(
     smoke and shadows alone are seen of it there are no notices of what surfaces and the world look like. Raises
     core.Missing without the native module. A render may look through another `camera` than the scene's."""
     parts = parts or Parts()
-    out = Export(core.module().Scene())
+    out = Export(core.module().Scene(), over_others=smoke_alone)
     looks: list[str] = [] if smoke_alone else out.notices
     lit = 0
     layer = depsgraph.view_layer_eval
@@ -280,7 +281,7 @@ def add_surfaces(
         out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
         places = places[usable]
     emission = np.array([surface.emission for surface in group.surfaces])
-    transmittance = surfaces.transmittances(group.surfaces)
+    transmittance = None if out.over_others else surfaces.transmittances(group.surfaces)
     if transmittance is not None and seen is not None and seen.seen in _WHOLE:
         out.notices.append(f"{group.name}: it lets light through, but is {_WHOLE[seen.seen]} as if it did not")
     try:

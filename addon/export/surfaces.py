@@ -82,6 +82,11 @@ def transmittances(surfaces: list[Surface]) -> NDArray[np.float64] | None:
     return rows if rows.any() else None
 
 
+def diffuse_share(surface: Surface) -> float:
+    """What the layers above a diffuse part that leave it nothing leave of the surface."""
+    return math.prod(1.0 - layer.share for layer in surface.gloss if layer.below == LEAVES_NOTHING)
+
+
 def diffuse_kinds(surfaces: list[Surface]) -> list[tuple[int, float]] | None:
     """None where all are Lambert's."""
     kinds = [surface.diffuse for surface in surfaces]

@@ -21,7 +21,7 @@ from .. import core
 from ..gpu import passes
 from ..gpu.shader import Shaders, texture
 from ..gpu.smoke import SHADOW_STRENGTH, Smoke
-from .pace import Pace
+from .pace import HALF, Pace
 
 PICTURES_KEPT = 8  # a quad view has four
 
@@ -43,8 +43,9 @@ class Look:
         return "smoke_shadow" if self.solids_shade else "all_shadows"
 
     def by_processor(self, frame: Any) -> bool:
-        """Whether the whole picture is: the surfaces that a GPU marches up to have no alpha of their own."""
-        return not (self.overlay or frame.opaque)
+        """Whether the whole picture is: a GPU marches through grids alone, and the surfaces that it marches up to have no
+        alpha of their own."""
+        return frame.sorted or not (self.overlay or frame.opaque)
 
     def moves_to(self, other: Look) -> bool:
         """Whether only the camera is another."""
@@ -116,10 +117,10 @@ class Painter:
         """With a spacing above 1, at a glance."""
         camera = look.camera()
         if look.by_processor(frame):
-            image = frame.glance(camera, *look.size, spacing=spacing) if refined is None else refined
-            return Picture(frame, look, refined is not None, texture(look.size, "RGBA", image), None, None)
+            # What is sorted is not for every pixel at once: they follow, refined.
+            return _processed(frame, look, max(spacing, HALF) if frame.sorted else spacing, refined)
         if spacing > 1 and self.software:
-            return _at_a_glance(frame, look, spacing)
+            return _processed(frame, look, spacing)
         if refined is not None:
             traced = refined
         elif spacing > 1:
@@ -147,14 +148,18 @@ class Painter:
         passes.dim_background(self._shaders, picture.radiance, picture.transmittance, gain, background)
 
 
-def _at_a_glance(frame: Any, look: Look, spacing: int) -> Picture:
-    """A picture made by the processor alone."""
-    if not look.overlay:
-        traced = frame.glance(look.camera(), *look.size, spacing=spacing)
-        return Picture(frame, look, False, texture(look.size, "RGBA", traced), None, None)
-    traced = frame.glance(look.camera(), *look.size, look.output, spacing, SHADOW_STRENGTH)
-    radiance, transmittance = (texture(look.size, "RGBA", plane) for plane in traced)
-    return Picture(frame, look, False, radiance, transmittance, None)
+def _processed(frame: Any, look: Look, spacing: int, refined: Any = None) -> Picture:
+    """A picture made by the processor alone, at a glance unless there is a refined one."""
+    traced = glance(frame, look, spacing) if refined is None else refined
+    radiance, *rest = (texture(look.size, "RGBA", plane) for plane in (traced if look.overlay else (traced,)))
+    return Picture(frame, look, refined is not None, radiance, rest[0] if rest else None, None)
+
+
+def glance(frame: Any, look: Look, spacing: int) -> Any:
+    """The whole picture, and of an overlay two: the transmittance, too."""
+    if look.overlay:
+        return frame.glance(look.camera(), *look.size, look.output, spacing, SHADOW_STRENGTH)
+    return frame.glance(look.camera(), *look.size, spacing=spacing)
 
 
 _painter: Painter | None = None

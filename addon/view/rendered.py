@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import log, props
 from . import refinement
-from .painter import Look, Picture, painter
+from .painter import Look, Picture, glance, painter
 
 
 def look_of(context: bpy.types.Context, frame: Any, **kind: bool) -> Look:
@@ -37,12 +37,19 @@ def picture_of(context: bpy.types.Context, frame: Any, look: Look) -> Picture:
     log.took(frame.stages)
     if not picture.refined:
         samples = props.QUALITIES[props.of(context.scene).quality].edge_samples
-        if look.by_processor(frame):
+        if look.by_processor(frame) and look.overlay:
+            trace = partial(_every_pixel, frame, look)
+        elif look.by_processor(frame):
             trace = partial(frame.render, look.camera(), *look.size, samples)
         else:
             trace = partial(frame.surfaces, look.camera(), *look.size, look.output, samples)
         refinement.ask(view, (frame, look), trace)
     return picture
+
+
+def _every_pixel(frame: Any, look: Look, _progress: refinement.Progress) -> Any:
+    """Of an overlay that the processor makes: what is soft needs no more."""
+    return glance(frame, look, 1)
 
 
 def draw_rendered(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, frame: Any) -> None:

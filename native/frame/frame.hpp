@@ -56,6 +56,8 @@ public:
     [[nodiscard]] bool opaque() const {
         return !content_.surfaces->sheets() && (content_.surfaces->opaque() || background_alpha_ == 1.0F);
     }
+    // Whether anything else than grids may lie before an opaque surface, which takes sorting along each ray.
+    [[nodiscard]] bool sorted() const { return content_.surfaces->sheets(); }
     [[nodiscard]] bool grey() const { return content_.grey; }
     [[nodiscard]] const glm::dvec3 &origin() const { return origin_; }
     [[nodiscard]] double step_length() const { return step_length_; } // cells

@@ -98,6 +98,11 @@ class Frame:
     ) -> Any:
         """The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom."""
     @property
+    def sorted(self) -> bool:
+        """Whether anything else than grids may lie before an opaque surface, such as transparent meshes: pictures of
+        that are the processor's alone.
+        """
+    @property
     def stages(self) -> dict:
         """The stages that ran so far, in order, and the seconds that each took: of "solids", "smoke", "particles",
         "lights", "light maps" and "light volumes", when the frame was made; of "surfaces", "slices" of particles,

@@ -283,6 +283,20 @@ def test_a_volume_says_how_puffs_look() -> None:
     assert sum("'heat'" in line for line in notices) == 1, notices
 
 
+def test_a_surface_that_is_seen_through_says_how_puffs_look() -> None:
+    """Through both sides of a sphere."""
+    added, _ = only_look("BsdfPrincipled", "Surface", Alpha=0.4, Base_Color=(0.7, 0.5, 0.3, 1.0))
+    assert np.allclose(added.opacity, 1.0 - 0.6**2) and np.allclose(added.albedo, (0.7, 0.5, 0.3))
+    assert np.allclose(added.extinction, 1.0)
+    added, _ = only_look("BsdfTransparent", "Surface", Color=(0.25, 0.5, 1.0, 1.0))
+    assert np.allclose(added.opacity, 1.0 - 0.25**2) and np.allclose(added.albedo, 0.0)
+    assert np.allclose(added.extinction, (1.0, 0.5, 0.0))
+    cloud(lambda: shaded("BsdfPrincipled", "Surface", Alpha=0.4, Base_Color=(0.7, 0.5, 0.3, 1.0)), 3, 0.2)
+    (added,), notices = in_view()
+    assert np.allclose(added.opacity, 1.0 - 0.6**2) and np.allclose(added.albedo, (0.7, 0.5, 0.3))
+    assert sum("seen through" in line for line in notices) == 1, notices
+
+
 def cloud(
     material: Callable[[], bpy.types.Material] | None, count: int, radius: float, instances: bool = False
 ) -> bpy.types.Object:
