@@ -14,6 +14,7 @@ import bpy
 import harness
 import numpy as np
 import pictures
+import points
 from numpy.typing import NDArray
 from sfumato import core, log  # type: ignore[attr-defined]
 from sfumato.export import particles
@@ -300,35 +301,13 @@ def test_a_surface_that_is_seen_through_says_how_puffs_look() -> None:
 def cloud(
     material: Callable[[], bpy.types.Material] | None, count: int, radius: float, instances: bool = False
 ) -> bpy.types.Object:
-    """Alone in a scene, a square of count x count points that Geometry Nodes make; or instances of it at the corners of a
-    cube of 6 metres."""
+    """Alone in a scene, a square of count x count points; or instances of it at the corners of a cube of 6 metres."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     harness.enable()
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=count - 1, y_subdivisions=count - 1, size=2.0)
     thing = bpy.context.object
     thing.name = "Cloud"
-    tree = bpy.data.node_groups.new("Points", "GeometryNodeTree")
-    if hasattr(tree, "interface"):
-        for way in ("INPUT", "OUTPUT"):
-            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
-    else:
-        tree.inputs.new("NodeSocketGeometry", "Geometry")
-        tree.outputs.new("NodeSocketGeometry", "Geometry")
-    nodes, link = tree.nodes, tree.links.new
-    start, end = nodes.new("NodeGroupInput"), nodes.new("NodeGroupOutput")
-    made, dressed = nodes.new("GeometryNodeMeshToPoints"), nodes.new("GeometryNodeSetMaterial")
-    made.inputs["Radius"].default_value = radius
-    dressed.inputs["Material"].default_value = None if material is None else material()
-    link(start.outputs[0], made.inputs[0])
-    link(made.outputs[0], dressed.inputs[0])
-    if instances:
-        corners, spread = nodes.new("GeometryNodeMeshCube"), nodes.new("GeometryNodeInstanceOnPoints")
-        corners.inputs["Size"].default_value = (6.0, 6.0, 6.0)
-        link(corners.outputs[0], spread.inputs["Points"])
-        link(dressed.outputs[0], spread.inputs["Instance"])
-        dressed = spread
-    link(dressed.outputs[0], end.inputs[0])
-    thing.modifiers.new("Points", "NODES").node_group = tree
+    points.make_points_of(thing, radius, None if material is None else material(), 6.0 if instances else 0.0)
     return thing
 
 
