@@ -442,4 +442,15 @@ def test_children_are_named() -> None:
     assert len(added.radius) == 200 and sum("children" in line for line in notices) == 1, notices
 
 
+def test_a_liquids_own_particles_are_named() -> None:
+    if harness.MANTAFLOW_ABORTS:
+        raise harness.Skip("Mantaflow domains cannot be used in this Blender")
+    modifier = bpy.data.objects["Cube"].modifiers.new("Fluid", "FLUID")
+    modifier.fluid_type = "DOMAIN"
+    modifier.domain_settings.domain_type = "LIQUID"
+    assert any(other.type == "PARTICLE_SYSTEM" for other in bpy.data.objects["Cube"].modifiers)
+    found, notices = in_view()
+    assert found == [] and sum("the liquid's own" in line for line in notices) == 1, notices
+
+
 harness.main()
