@@ -23,6 +23,7 @@ import make  # noqa: E402 # the materials and settings that all samples share
 
 PUFFS, MILLION, HAIRS = 16_384, 1_000_000, 12_000
 HEIGHT = 3.0  # metres, of both plumes
+VIEW = Vector((1.4, -9.4, 4.6)), Vector((0.75, 0.0, 1.55))  # a camera, and what it looks at
 SUN = Vector((0.72, 0.02, -0.53))
 
 
@@ -51,20 +52,17 @@ def end(name: str, camera: Vector, target: Vector, sun: Vector = SUN) -> None:
 
 
 def risen(count: int) -> NDArray[np.float64]:
-    """Places (n, 3) of what has risen for different times from a disc, through a wind without sources or sinks."""
+    """Places (n, 3) in a cone that waves of three sizes curl, the more the higher."""
     random = np.random.default_rng(1)
-    waves = random.normal(size=(24, 3)) * np.geomspace(1.5, 9.0, 24)[:, None]
-    pushes = np.cross(waves, random.normal(size=(24, 3)))
-    pushes *= 0.55 / np.linalg.norm(waves, axis=1, keepdims=True) ** 1.3 / np.linalg.norm(pushes, axis=1).mean()
-    phases = random.uniform(0.0, 2.0 * math.pi, 24)
-    angle, far = random.uniform(0.0, 2.0 * math.pi, count), 0.16 * np.sqrt(random.uniform(size=count))
-    places = np.stack((far * np.cos(angle), far * np.sin(angle), np.full(count, 0.1)), axis=1)
-    steps, age = 60, random.uniform(0.0, 1.0, count)
-    for _ in range(steps):
-        wind = np.cos(places @ waves.T + phases) @ pushes * 8.0 * (0.2 + places[:, 2:] / HEIGHT)
-        wind[:, :2] += 0.22 * places[:, :2]
-        wind[:, 2] = np.maximum(wind[:, 2] + HEIGHT, 0.3)
-        places += wind * (age / steps)[:, None]
+    height, turn = random.uniform(size=count), random.uniform(0.0, 2.0 * math.pi, count)
+    far = (0.1 + 0.4 * height) * np.sqrt(random.uniform(size=count))
+    places = np.stack((far * np.cos(turn), far * np.sin(turn), 0.1 + HEIGHT * height), axis=1)
+    for pitch, strength in ((2.5, 0.5), (6.0, 0.25), (14.0, 0.12)):
+        waves = random.normal(size=(16, 3))
+        waves *= pitch * random.uniform(0.6, 1.4, (16, 1)) / np.linalg.norm(waves, axis=1, keepdims=True)
+        pushes = random.normal(size=(16, 3)) * strength / 4.0
+        phases = random.uniform(0.0, 2.0 * math.pi, 16)
+        places += (0.2 + height[:, None]) * (np.sin(places @ waves.T + phases) @ pushes)
     return places
 
 
@@ -81,7 +79,7 @@ def plume_particles() -> None:
     settings.count, settings.frame_start, settings.frame_end, settings.lifetime = PUFFS, 1.0, 1.0, 250.0
     settings.emit_from, settings.use_emit_random, settings.physics_type = "VERT", False, "NO"
     settings.particle_size, settings.size_random, settings.render_type = 0.015, 0.5, "HALO"
-    end("plume_particles", Vector((1.4, -8.0, 3.6)), Vector((0.65, 0.0, 1.25)))
+    end("plume_particles", *VIEW)
 
 
 def million() -> None:
@@ -98,7 +96,7 @@ def million() -> None:
     thing = bpy.data.objects.new("Million", bpy.data.meshes.new("Million"))
     bpy.context.scene.collection.objects.link(thing)
     thing.modifiers.new("Points", "NODES").node_group = million_points(made)
-    end("million", Vector((1.4, -8.0, 3.6)), Vector((0.65, 0.0, 1.25)))
+    end("million", *VIEW)
 
 
 class Nodes:

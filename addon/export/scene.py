@@ -249,12 +249,14 @@ def _group_key(thing: Any) -> tuple[int, int]:
 
 def _group_of(thing: Any, depsgraph: Any, parts: Parts, notices: list[str]) -> _Group | None:
     """The surfaces of an object, without a place as yet; None where it has none."""
-    found = surfaces.surfaces(thing, depsgraph, notices)
+    said: list[str] = []
+    found = surfaces.surfaces(thing, depsgraph, said)
     if found is None:
         return None
     mesh = meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts)
-    if mesh is None:
+    if mesh is None:  # as of what nodes make points of
         return None
+    notices += said
     glows = any(surface.emission.any() for surface in found)
     shown = materials.materials_of(thing, depsgraph)
     indices = [material.pass_index if material else 0 for material in shown] or [0]
