@@ -40,14 +40,15 @@ class Target:
         self.textures = [gpu.types.GPUTexture(size, format="RGBA16F") for _ in range(2 if overlay else 1)]
         self.buffer = gpu.types.GPUFrameBuffer(color_slots=self.textures)
         self._uniforms: Any = None
+        self._floats = 0
 
     def uniforms(self, values: np.ndarray) -> Any:
         """The uniform buffer, with these floats in it."""
         import gpu
 
         data = gpu.types.Buffer("FLOAT", values.size, values.ravel())
-        if self._uniforms is None:
-            self._uniforms = gpu.types.GPUUniformBuf(data)
+        if self._uniforms is None or self._floats != values.size:
+            self._uniforms, self._floats = gpu.types.GPUUniformBuf(data), values.size
         else:
             self._uniforms.update(data)
         return self._uniforms
@@ -55,7 +56,7 @@ class Target:
 
 def draw_smoke(shaders: Shaders, target: Target, smoke: Smoke, surfaces: Any, corners: np.ndarray) -> None:
     """March through `smoke` up to `surfaces`, a texture of the target's size (Frame.surfaces)."""
-    variant = (smoke.colours, smoke.media, smoke.tinted, target.overlay)
+    variant = (smoke.colours, smoke.media, smoke.tinted, smoke.emitting, target.overlay)
     shader = shaders.get(variant, lambda: smoke_shader(*variant))
     uniforms = target.uniforms(smoke.view(corners, target.size))
     with plain_state(), target.buffer.bind():

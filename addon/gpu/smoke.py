@@ -16,11 +16,15 @@ SHADOW_STRENGTH = 0.8
 # smoke_textures.glsl
 MEDIUM_TEXTURES = ("density", "light", "clearance")
 
+EMISSION_ROWS = 128  # smoke_uniforms.glsl
 
-def smoke_shader(colours: int, media: int, tinted: bool, overlay: bool) -> Any:
+
+def smoke_shader(colours: int, media: int, tinted: bool, emitting: bool, overlay: bool) -> Any:
     def declare(info: Any) -> None:
         if tinted:
             info.define("TINTED", "1")
+        if emitting:
+            info.define("EMITTING", "1")
         info.define("COLOURS", str(colours))
         info.define("MEDIA", str(media))
         if overlay:
@@ -48,7 +52,10 @@ def smoke_shader(colours: int, media: int, tinted: bool, overlay: bool) -> Any:
     accessors += [_by_medium(*function, media) for function in MEDIUM_FUNCTIONS]
     if tinted:
         accessors.append(_by_medium("vec3", "tint_at", "vec3 place", "place", media))
-    name = f"{colours} colours, {media} media{', tinted' if tinted else ''}{', overlay' if overlay else ''}"
+    if emitting:
+        accessors.append(_by_medium("float", "glow_at", "vec3 place", "place", media))
+    flags = {"tinted": tinted, "emitting": emitting, "overlay": overlay}
+    name = ", ".join([f"{colours} colours, {media} media", *(flag for flag, is_on in flags.items() if is_on)])
     return compile_shader(name, declare, files, generated="".join(accessors))
 
 
@@ -66,6 +73,14 @@ def _by_medium(kind: str, name: str, parameters: str, arguments: str, media: int
     return f"{kind} {name}(int medium, {parameters})\n{{ {' '.join(cases)} return {name}_0({arguments}); }}\n"
 
 
+def _glow_cells(glow: np.ndarray | None, cells: np.ndarray) -> np.ndarray:
+    """What glows, as the texture of the densities has it."""
+    out: np.ndarray = np.zeros_like(cells)
+    if glow is not None:
+        (out[..., 3] if cells.ndim == 4 else out)[...] = glow
+    return out
+
+
 class Smoke:
     """The smoke of one frame on the GPU, and what the shader needs to know of it."""
 
@@ -79,9 +94,12 @@ class Smoke:
         self.media = max(1, len(media))
         tints = [medium.tint for medium in media]
         self.tinted = any(tint is not None for tint in tints)
-        self.uniforms = np.zeros((7 + 3 * MOST_LIGHTS + 6 * MOST_MEDIA, 4), np.float32)  # SmokeView
-        self.uniforms[7 : 7 + 3 * self.lights] = lights.reshape(-1, 4)
+        self.emitting = any(len(medium.emission) for medium in media)
         first = 7 + 3 * MOST_LIGHTS
+        rows_of_emission = first + 6 * MOST_MEDIA
+        size = rows_of_emission + (EMISSION_ROWS * MOST_MEDIA if self.emitting else 0)
+        self.uniforms = np.zeros((size, 4), np.float32)  # SmokeView
+        self.uniforms[7 : 7 + 3 * self.lights] = lights.reshape(-1, 4)
         for number, (medium, tint) in enumerate(zip(media, tints)):
             rows = self.uniforms[first + 6 * number : first + 6 * number + 6]
             density, light = medium.density, medium.light[: self.lights]
@@ -94,8 +112,14 @@ class Smoke:
             if self.tinted:
                 colour = density[..., None].repeat(3, axis=3) if tint is None else tint
                 cells = np.concatenate((colour, density[..., None]), axis=3)
-            size = (width, height, depth)
-            self._add(number, texture(size, "RGBA" if self.tinted else "R", cells), light, medium.clearance)
+            if self.emitting:
+                cells = np.concatenate((cells, _glow_cells(medium.glow, cells)))
+                emission = medium.emission
+                table = self.uniforms[rows_of_emission + EMISSION_ROWS * number :][: len(emission)]
+                table[:, :3] = emission
+                table[:1, 3] = len(emission) - 1
+            shape = (width, height, len(cells))
+            self._add(number, texture(shape, "RGBA" if self.tinted else "R", cells), light, medium.clearance)
         if not media:
             # Where there is no smoke one empty cell stands in: the shader has one case less.
             self.uniforms[first : first + 6] = [

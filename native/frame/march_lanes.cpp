@@ -80,6 +80,14 @@ struct Asked {
         }
         return scattering;
     }
+    [[nodiscard]] bool emits(int m) const { return medium(m).glow != nullptr; }
+    [[nodiscard]] Real glow_at(int m, const Cell &place) const { return sample_of(m, medium(m).glow, 1, place, 0); }
+    [[nodiscard]] Real last_row(int m) const { return static_cast<float>(medium(m).emission.size() / 3 - 1); }
+    [[nodiscard]] vec3 emission_row(int m, const Real &row) const {
+        const float *const rows = medium(m).emission.data();
+        const Index at = truncate(row) * Index(3);
+        return {gather(rows, at), gather(rows + 1, at), gather(rows + 2, at)};
+    }
     [[nodiscard]] Real anisotropy_of(int m) const { return medium(m).anisotropy; }
     [[nodiscard]] Arriving light_at(int m, const Cell &place, int i) const {
         const float *const volume = medium(m).light[static_cast<std::size_t>(i)];

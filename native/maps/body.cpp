@@ -29,6 +29,7 @@ Body body_of(const CroppedMedium &medium) {
     body.cell_size = medium.cell_size;
     body.extinction = medium.extinction;
     body.visibility = medium.visibility;
+    body.takes_light = medium.takes_light();
     body.identify = [grid = medium.grid, place = medium.grid_to_world, strongest = medium.strongest()](Key &key) {
         key.part(grid).number(strongest).numbers(std::span<const double>(&place[0].x, 16));
     };

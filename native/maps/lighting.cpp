@@ -16,7 +16,7 @@ namespace sfumato {
 namespace {
 
 bool lights_smoke(const Light &light, const Body &body) {
-    return light.reach.smoke && (light.reach.lights & body.visibility.lit_by) != 0;
+    return body.takes_light && light.reach.smoke && (light.reach.lights & body.visibility.lit_by) != 0;
 }
 
 } // namespace
@@ -32,6 +32,10 @@ MediaViews views_of(std::span<const CroppedMedium> media, double step_length) {
         MediumView &view = out.views.emplace_back();
         view.density = medium.grid->view();
         view.tint = medium.grid->tint.empty() ? nullptr : medium.grid->tint.data();
+        if (!medium.emission.empty()) {
+            view.glow = medium.grid->glow.data();
+            view.emission = {&medium.emission.front().x, 3 * medium.emission.size()};
+        }
         view.light = volumes;
         view.light_channels = medium.light_channels;
         view.clearance = medium.grid->clearances();
@@ -110,7 +114,7 @@ void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &sett
 Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &sample, const Body &body,
                                   const Surfaces &surfaces, const LightMapSettings &settings,
                                   const InstructionSet &with, LightParts &parts) {
-    if (!meets(light, sample, ball_of(body))) {
+    if (!body.takes_light || !meets(light, sample, ball_of(body))) {
         return {};
     }
     LightMap plan =

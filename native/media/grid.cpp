@@ -170,17 +170,18 @@ float above(float value, float threshold) {
     return value > threshold ? value : 0.0F;
 }
 
-void store_dense(Grid &grid, std::span<const float> row, const glm::ivec3 &at, float threshold) {
+void store_dense(const Grid &grid, std::vector<float> &values, std::span<const float> row, const glm::ivec3 &at,
+                 float threshold) {
     const int begin = std::max(-at.x, 0), end = std::min(static_cast<int>(row.size()), grid.resolution.x - at.x);
-    float *const to = grid.density.data() + row_of(grid.resolution, at.y, at.z) + at.x;
+    float *const to = values.data() + row_of(grid.resolution, at.y, at.z) + at.x;
     for (int x = begin; x < end; ++x) {
         to[x] = above(row[static_cast<std::size_t>(x)], threshold);
     }
 }
 
 // In each brick that holds a part of the row, which is more than one where they share a layer.
-void store_in_bricks(Grid &grid, const Marks &filled, std::span<const float> row, const glm::ivec3 &at,
-                     float threshold) {
+void store_in_bricks(const Grid &grid, std::vector<float> &values, const Marks &filled, std::span<const float> row,
+                     const glm::ivec3 &at, float threshold) {
     const glm::ivec3 low = filled.first_of(glm::max(at, 0));
     const glm::ivec3 high = filled.last_of(at + glm::ivec3(static_cast<int>(row.size()) - 1, 0, 0));
     for (int z = low.z; z <= high.z; ++z) {
@@ -188,7 +189,7 @@ void store_in_bricks(Grid &grid, const Marks &filled, std::span<const float> row
             for (int x = low.x; x <= high.x; ++x) {
                 const std::int32_t brick = grid.stored[static_cast<std::size_t>(row_of(grid.stored_bricks, y, z) + x)];
                 const glm::ivec3 from(0, at.y - y * STORED, at.z - z * STORED);
-                float *const to = grid.density.data() + brick + row_of(glm::ivec3(STORED_ROW), from.y, from.z);
+                float *const to = values.data() + brick + row_of(glm::ivec3(STORED_ROW), from.y, from.z);
                 const int begin = std::max(x * STORED - at.x, 0);
                 const int end = std::min(x * STORED + STORED_ROW - at.x, static_cast<int>(row.size()));
                 for (int cell = begin; brick != 0 && cell < end; ++cell) {
@@ -272,50 +273,68 @@ void copy_cells(const Grid &grid, std::span<const float> stored, int channels, s
     }
 }
 
-std::shared_ptr<Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout) {
-    const Bounds bounds = occupied_bounds(blocks, threshold);
+std::shared_ptr<Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout,
+                           std::span<const CellBlock> glow) {
+    Bounds bounds = occupied_bounds(blocks, threshold);
+    const double amount = bounds.amount;
+    bounds = together(bounds, occupied_bounds(glow, 0.0F));
     if (bounds.low.x >= bounds.high.x) {
         return nullptr;
     }
     auto out = std::make_shared<Grid>();
     out->first = bounds.low - 1;
     out->resolution = bounds.high - bounds.low + 2;
-    out->amount = bounds.amount;
-    const auto each_row = [&](const auto &visit) {
-        oneapi::tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
-            for_each_row(blocks[i], threshold,
+    out->amount = amount;
+    const auto each_row = [&out](std::span<const CellBlock> of, float above, const auto &visit) {
+        oneapi::tbb::parallel_for(std::size_t{0}, of.size(), [&](std::size_t i) {
+            for_each_row(of[i], above,
                          [&](std::span<const float> row, const glm::ivec3 &at) { visit(row, at - out->first); });
         });
     };
     Marks occupied(out->resolution, BRICK, 1), filled(out->resolution, STORED, 0);
-    each_row([&](std::span<const float> row, const glm::ivec3 &at) {
-        occupied.mark(row, at, threshold);
-        filled.mark(row, at, threshold);
-    });
+    const auto mark = [&](std::span<const CellBlock> of, float above) {
+        each_row(of, above, [&](std::span<const float> row, const glm::ivec3 &at) {
+            occupied.mark(row, at, above);
+            filled.mark(row, at, above);
+        });
+    };
+    mark(blocks, threshold);
+    mark(glow, 0.0F);
     out->bricks = occupied.bricks;
     out->clearance = clearances_of(occupied.flags, occupied.bricks);
     const auto count = static_cast<std::size_t>(std::count(filled.flags.begin(), filled.flags.end(), 1));
-    if (layout == Layout::DENSE || (layout == Layout::BEST && 2 * count > filled.flags.size())) {
+    const bool dense = layout == Layout::DENSE || (layout == Layout::BEST && 2 * count > filled.flags.size());
+    if (dense) {
         out->density.assign(cells(out->resolution), 0.0F);
-        each_row([&](std::span<const float> row, const glm::ivec3 &at) { store_dense(*out, row, at, threshold); });
-        return out;
+    } else {
+        number_bricks(*out, filled);
     }
-    number_bricks(*out, filled);
-    each_row(
-        [&](std::span<const float> row, const glm::ivec3 &at) { store_in_bricks(*out, filled, row, at, threshold); });
+    const auto store = [&](std::vector<float> &values, std::span<const CellBlock> of, float above) {
+        each_row(of, above, [&](std::span<const float> row, const glm::ivec3 &at) {
+            dense ? store_dense(*out, values, row, at, above) : store_in_bricks(*out, values, filled, row, at, above);
+        });
+    };
+    store(out->density, blocks, threshold);
+    if (!glow.empty()) {
+        out->glow.assign(out->density.size(), 0.0F);
+        store(out->glow, glow, 0.0F);
+    }
     return out;
 }
 
-std::shared_ptr<Grid> crop(std::span<const float> density, const glm::ivec3 &resolution, float threshold,
-                           Layout layout) {
-    std::vector<CellBlock> slices(static_cast<std::size_t>(resolution.z));
-    for (int z = 0; z < resolution.z; ++z) {
-        slices[static_cast<std::size_t>(z)] = {density.data() + row_of(resolution, 0, z),
-                                               {0, 0, z},
-                                               {resolution.x, resolution.y, 1},
-                                               {1, resolution.x, 0}};
-    }
-    return crop(slices, threshold, layout);
+std::shared_ptr<Grid> crop(std::span<const float> density, const glm::ivec3 &resolution, float threshold, Layout layout,
+                           std::span<const float> glow) {
+    const auto slices_of = [&resolution](std::span<const float> values) {
+        std::vector<CellBlock> slices(values.empty() ? 0 : static_cast<std::size_t>(resolution.z));
+        for (int z = 0; z < static_cast<int>(slices.size()); ++z) {
+            slices[static_cast<std::size_t>(z)] = {values.data() + row_of(resolution, 0, z),
+                                                   {0, 0, z},
+                                                   {resolution.x, resolution.y, 1},
+                                                   {1, resolution.x, 0}};
+        }
+        return slices;
+    };
+    return crop(slices_of(density), threshold, layout, slices_of(glow));
 }
 
 } // namespace sfumato

@@ -28,6 +28,7 @@ struct Grid {
     std::vector<glm::ivec3> corners; // of the bricks that are stored
     // Density times the colour in which it scatters, three numbers for each of `density`; or none: white.
     std::vector<float> tint;
+    std::vector<float> glow; // Medium::glow, one number for each of `density`; or none
 
     [[nodiscard]] GridView view() const;
     [[nodiscard]] ClearanceView clearances() const { return {clearance.data(), bricks.x, bricks.y, bricks.z}; }
@@ -49,12 +50,14 @@ void copy_cells(const Grid &grid, std::span<const float> stored, int channels, s
 // BEST: dense where more than half of the bricks are filled.
 enum class Layout { BEST, DENSE, BRICKS };
 
-// The cells above a threshold and all others between them; null where there is none. Cells up to the threshold are
-// empty, and so is what no block covers. No cell is in two blocks. The blocks are read three times.
-std::shared_ptr<Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout = Layout::BEST);
+// The cells above a threshold, or that glow, and all others between them; null where there is none. Cells up to the
+// threshold are empty, and so is what no block covers. No cell is in two blocks of one kind. The blocks are read three
+// times.
+std::shared_ptr<Grid> crop(std::span<const CellBlock> blocks, float threshold, Layout layout = Layout::BEST,
+                           std::span<const CellBlock> glow = {});
 
 // The same of cells in turn, x fastest.
 std::shared_ptr<Grid> crop(std::span<const float> density, const glm::ivec3 &resolution, float threshold,
-                           Layout layout = Layout::BEST);
+                           Layout layout = Layout::BEST, std::span<const float> glow = {});
 
 } // namespace sfumato

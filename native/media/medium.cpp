@@ -32,11 +32,19 @@ CroppedMedium crop(const Medium &medium) {
     out.anisotropy = medium.anisotropy;
     out.visibility = medium.visibility;
     const float threshold = emptiness(medium.resolution, medium.grid_to_world, out.extinction);
-    if (threshold == std::numeric_limits<float>::infinity()) {
+    const bool clear = threshold == std::numeric_limits<float>::infinity();
+    if (clear && medium.emission.empty()) {
         return out;
     }
-    out.grid = medium.grid ? medium.grid : crop(medium.density, glm::ivec3(medium.resolution), threshold);
+    out.grid = medium.grid ? medium.grid
+                           : crop(medium.density, glm::ivec3(medium.resolution), threshold, Layout::BEST, medium.glow);
     if (!out.grid) {
+        return out;
+    }
+    if (!out.grid->glow.empty()) {
+        out.emission = medium.emission;
+    } else if (clear) {
+        out.grid = nullptr;
         return out;
     }
     const glm::dmat4 to_world(medium.grid_to_world);

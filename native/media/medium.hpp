@@ -22,6 +22,7 @@ struct CroppedMedium {
     glm::dmat4 grid_to_world{1.0};
     glm::vec3 extinction{0.0F}; // per metre and unit density
     glm::vec3 scattering{0.0F};
+    std::vector<glm::vec3> emission; // as Medium has it; none where nothing glows
     float anisotropy = 0.0F;
     Visibility visibility;
     double cell_size = 0.0; // the shortest edge, metres
@@ -30,6 +31,8 @@ struct CroppedMedium {
 
     [[nodiscard]] bool grey() const { return extinction.x == extinction.y && extinction.y == extinction.z; }
     [[nodiscard]] bool empty() const { return grid == nullptr; }
+    // Whether it does more than glow: else no light is asked about it.
+    [[nodiscard]] bool takes_light() const { return grid->amount > 0.0 && strongest() > 0.0F; }
     // Of the strongest colour, per metre and unit density.
     [[nodiscard]] float strongest() const;
 };
@@ -38,7 +41,7 @@ struct CroppedMedium {
 // count as empty. Infinite for a material that takes no light.
 float emptiness(const glm::uvec3 &resolution, const glm::mat4 &grid_to_world, const glm::vec3 &extinction);
 
-// Crops the density, unless the medium brings its grid.
+// Crops the density and what glows, unless the medium brings its grid.
 CroppedMedium crop(const Medium &medium);
 
 } // namespace sfumato

@@ -12,6 +12,7 @@
 namespace sfumato {
 
 constexpr std::size_t MAX_MEDIA = 64; // in one frame
+constexpr int EMISSION_ROWS = 128;    // at most, of a medium: they are in the viewport's uniforms
 
 // Where less than half of a grid is filled, it is stored in bricks of STORED^3 cells and one more layer on the upper
 // sides, which the next bricks begin with: so interpolation reads one brick alone.
@@ -43,6 +44,10 @@ struct ClearanceView {
 struct MediumView {
     GridView density;
     const float *tint = nullptr; // density times colour, three numbers for each of the density's; or null: white
+    // What glows, one number for each of the density's, and the rows that say how: Medium::glow. Null where nothing
+    // does.
+    const float *glow = nullptr;
+    std::span<const float> emission;     // three numbers a row
     std::span<const float *const> light; // of each light
     int light_channels = 1;
     ClearanceView clearance;

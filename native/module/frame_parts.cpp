@@ -69,6 +69,26 @@ py::object tint_of(const CroppedMedium &medium) {
     return out;
 }
 
+py::object glow_of(const CroppedMedium &medium) {
+    const Grid &grid = *medium.grid;
+    if (medium.emission.empty()) {
+        return py::none();
+    }
+    py::array_t<float> out({grid.resolution.z, grid.resolution.y, grid.resolution.x});
+    copy_cells(grid, grid.glow, 1, std::span(out.mutable_data(), static_cast<std::size_t>(out.size())));
+    return out;
+}
+
+py::array_t<float> emission_of(const CroppedMedium &medium) {
+    py::array_t<float> out({static_cast<py::ssize_t>(medium.emission.size()), py::ssize_t{3}});
+    for (std::size_t row = 0; row < medium.emission.size(); ++row) {
+        for (int c = 0; c < 3; ++c) {
+            out.mutable_at(static_cast<py::ssize_t>(row), c) = medium.emission[row][c];
+        }
+    }
+    return out;
+}
+
 py::array_t<float> light_of(const CroppedMedium &medium) {
     const glm::ivec3 n = medium.grid->resolution;
     py::array_t<float> out({static_cast<py::ssize_t>(medium.light.size()), py::ssize_t{n.z}, py::ssize_t{n.y},
@@ -90,6 +110,9 @@ void bind_frame_parts(py::module_ &m) {
         .def_property_readonly("tint", &tint_of,
                                "(nz, ny, nx, 3): density times the colour in which it scatters; None where that is "
                                "white. A copy.")
+        .def_property_readonly("glow", &glow_of,
+                               "(nz, ny, nx), that of Scene.add_medium; None where nothing glows. A copy.")
+        .def_property_readonly("emission", &emission_of, "(n, 3), that of Scene.add_medium; no rows without a glow.")
         .def_property_readonly(
             "light", &light_of,
             "(lights, nz, ny, nx, c): the optical depth towards each light, in the one colour of grey "

@@ -94,9 +94,29 @@ void add_mesh(ConsoleScene &scene, const Floats &vertices, const Doubles &triang
     scene.meshes.push_back(std::move(out));
 }
 
+// Rows from black on.
+std::vector<glm::vec3> checked_emission(const Floats &emission) {
+    require_shape(emission, {-1, 3}, "emission");
+    require_range(emission, 0.0F, 1e30F, "emission");
+    if (emission.shape(0) < 2 || emission.shape(0) > EMISSION_ROWS) {
+        throw py::value_error("emission has " + text(emission.shape(0)) + " rows; there may be 2 to " +
+                              text(EMISSION_ROWS));
+    }
+    std::vector<glm::vec3> rows;
+    for (py::ssize_t row = 0; row < emission.shape(0); ++row) {
+        rows.emplace_back(emission.at(row, 0), emission.at(row, 1), emission.at(row, 2));
+    }
+    if (rows.front() != glm::vec3(0.0F)) {
+        throw py::value_error("emission begins with (" + text(rows.front().x) + ", " + text(rows.front().y) + ", " +
+                              text(rows.front().z) + "); what does not glow must be black");
+    }
+    return rows;
+}
+
 void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &density, const Doubles &grid_to_world,
                 const Floats &scattering, const Floats &absorption, float anisotropy,
-                const std::optional<Floats> &colour, const std::optional<Visibility> &visibility) {
+                const std::optional<Floats> &colour, const std::optional<Visibility> &visibility,
+                const std::optional<Floats> &glow, const std::optional<Floats> &emission) {
     const auto *array = std::get_if<Floats>(&density);
     if (array != nullptr) {
         require_shape(*array, {-1, -1, -1}, "density");
@@ -125,17 +145,25 @@ void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &de
     if (array != nullptr) {
         const glm::uvec3 resolution(array->shape(2), array->shape(1), array->shape(0));
         const glm::vec3 extinction = medium.scattering + medium.absorption;
-        grid = checked_grid(*array, emptiness(resolution, medium.grid_to_world, extinction), colour);
-    } else if (colour) {
-        throw py::value_error("colour is given beside a Grid, which has its own: give it to the Grid");
+        grid = checked_grid(*array, emptiness(resolution, medium.grid_to_world, extinction), colour, glow);
+    } else if (colour || glow) {
+        throw py::value_error(std::string(colour ? "colour" : "glow") +
+                              " is given beside a Grid, which has its own: give it to the Grid");
     } else {
         grid = std::get<CheckedGrid>(density);
+    }
+    if (emission) {
+        medium.emission = checked_emission(*emission);
+    }
+    const bool glows = array != nullptr ? glow.has_value() : grid.grid && !grid.grid->glow.empty();
+    if (glows != emission.has_value() && (array != nullptr || grid.grid)) {
+        throw py::value_error(glows ? "there is a glow, but no emission that says what it emits"
+                                    : "there is an emission, but no glow that says where");
     }
     medium.resolution = grid.resolution;
     medium.grid = grid.grid;
     scene.media.push_back(std::move(medium));
-    scene.densities.push_back(array != nullptr ? std::optional(*array) : std::nullopt);
-    scene.colours.push_back(colour);
+    scene.sources.push_back({array != nullptr ? std::optional(*array) : std::nullopt, colour, glow});
 }
 
 // One for each of `count`, or one for all of them.
@@ -362,7 +390,7 @@ does, and for too few rows.
 )")
         .def("add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
              py::arg("absorption"), py::arg("anisotropy") = 0.0F, py::arg("colour") = py::none(),
-             py::arg("visibility") = py::none(),
+             py::arg("visibility") = py::none(), py::arg("glow") = py::none(), py::arg("emission") = py::none(),
              R"(Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their
 densities add.
 
@@ -371,7 +399,9 @@ instead of copying it, so it should not be changed while the scene is in use; gr
 cells to metres: cell (i, j, k) fills [i, i + 1] and so on; scattering and absorption (3,), per metre and unit
 density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1); colour (nz, ny, nx, 3), not negative, by which each
 cell's scattering is multiplied: what it does not scatter of that, it absorbs, so what it lets through stays the same;
-visibility, 'shown' or 'unseen', and its lights.
+visibility, 'shown' or 'unseen', and its lights. glow (nz, ny, nx) in [0, 1] is what shines by itself, whatever the
+density: emission (n, 3), of 2 to 128 rows, gives in W/(m^3 sr) what it emits from 0, black as all outside the grid, to
+1, linear between two rows. It lights nothing.
 Raises ValueError for an empty, negative or non-finite density and for a matrix that flattens the grid.
 
 >>> import numpy as np

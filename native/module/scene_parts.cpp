@@ -206,7 +206,8 @@ Materials checked_materials(const Floats &albedo, const std::optional<Floats> &g
     return out;
 }
 
-CheckedGrid checked_grid(const Floats &density, float empty_below, const std::optional<Floats> &colour) {
+CheckedGrid checked_grid(const Floats &density, float empty_below, const std::optional<Floats> &colour,
+                         const std::optional<Floats> &glow) {
     require_shape(density, {-1, -1, -1}, "density");
     if (density.size() == 0) {
         throw py::value_error("density has shape " + shape_of(density) + ", but must hold at least one cell");
@@ -220,11 +221,17 @@ CheckedGrid checked_grid(const Floats &density, float empty_below, const std::op
         require_shape(*colour, {density.shape(0), density.shape(1), density.shape(2), 3}, "colour");
         require_range(*colour, 0.0F, 1e30F, "colour");
     }
+    if (glow) {
+        require_shape(*glow, {density.shape(0), density.shape(1), density.shape(2)}, "glow");
+        require_range(*glow, 0.0F, 1.0F, "glow");
+    }
     CheckedGrid out;
     out.resolution = {density.shape(2), density.shape(1), density.shape(0)};
-    const std::span<const float> cells(density.data(), static_cast<std::size_t>(density.size()));
+    const auto count = static_cast<std::size_t>(density.size());
+    const std::span<const float> cells(density.data(), count);
+    const std::span<const float> glowing(glow ? glow->data() : nullptr, glow ? count : 0);
     const py::gil_scoped_release unlocked;
-    const std::shared_ptr<Grid> grid = crop(cells, glm::ivec3(out.resolution), empty_below);
+    const std::shared_ptr<Grid> grid = crop(cells, glm::ivec3(out.resolution), empty_below, Layout::BEST, glowing);
     if (grid && colour) {
         const std::span<const float> all(colour->data(), static_cast<std::size_t>(colour->size()));
         tint(*grid, {glm::ivec3(out.resolution), {all, all.subspan(1), all.subspan(2)}, 3}, glm::dmat4(1.0));
@@ -286,13 +293,17 @@ Scene ConsoleScene::for_reference() const {
     require_plain(lights, "there is a reach of light", [](const Light &l) { return l.reach == Reach{}; });
     require_plain(lights, "there is a stretched cone of light", [](const Light &l) { return !l.oval; });
     Scene scene = *this;
-    for (std::size_t i = 0; i < densities.size(); ++i) {
-        if (!densities[i]) {
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        const auto &[density, colour, glow] = sources[i];
+        if (!density) {
             throw py::value_error("medium " + text(i) + " came as a Grid; the reference wants its densities");
         }
-        scene.media[i].density.assign(densities[i]->data(), densities[i]->data() + densities[i]->size());
-        if (colours[i]) {
-            vectors(*colours[i], scene.media[i].colour);
+        scene.media[i].density.assign(density->data(), density->data() + density->size());
+        if (colour) {
+            vectors(*colour, scene.media[i].colour);
+        }
+        if (glow) {
+            scene.media[i].glow.assign(glow->data(), glow->data() + glow->size());
         }
     }
     return scene;
@@ -349,10 +360,10 @@ ValueError: path 'missing.vdb' cannot be read: ...
 )");
     py::class_<CheckedGrid>(m, "Grid", R"(Densities of smoke, cropped to the cells above empty_below (see emptiness).
 
-density (nz, ny, nx), not negative; colour (nz, ny, nx, 3), not negative, that of Scene.add_medium. Scene.add_medium
-takes a Grid for its density: add the same one again, with a lamp that has moved, and what is still right of its light
-maps is kept. The arrays are not kept.
-Raises ValueError for an empty, negative or non-finite density, and for colours of another shape.
+density (nz, ny, nx), not negative; colour (nz, ny, nx, 3), not negative, and glow (nz, ny, nx) in [0, 1], those of
+Scene.add_medium. Cells that glow are kept, too. Scene.add_medium takes a Grid for its density: add the same one again,
+with a lamp that has moved, and what is still right of its light maps is kept. The arrays are not kept.
+Raises ValueError for an empty, negative or non-finite density, and for colours or a glow of another shape.
 
 >>> import numpy as np
 >>> smoke = np.zeros((8, 8, 8), np.float32)
@@ -360,7 +371,8 @@ Raises ValueError for an empty, negative or non-finite density, and for colours 
 >>> Grid(smoke).cells
 120
 )")
-        .def(py::init(&checked_grid), py::arg("density"), py::arg("empty_below") = 0.0F, py::arg("colour") = py::none())
+        .def(py::init(&checked_grid), py::arg("density"), py::arg("empty_below") = 0.0F, py::arg("colour") = py::none(),
+             py::arg("glow") = py::none())
         .def_static("from_file", &grid_from_file, py::arg("path"), py::arg("grid") = "density",
                     py::arg("empty_below") = 0.0F, py::arg("colour") = py::none(),
                     R"(The Grid of what read_volume gives, without that array in between; colour, another grid of the

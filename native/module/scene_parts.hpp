@@ -37,7 +37,7 @@ struct CheckedGrid {
 };
 
 CheckedGrid checked_grid(const arguments::Floats &density, float empty_below,
-                         const std::optional<arguments::Floats> &colour);
+                         const std::optional<arguments::Floats> &colour, const std::optional<arguments::Floats> &glow);
 
 // What `read` makes of a file, with the interpreter's lock released; its refusals are Python's.
 template <typename Read>
@@ -50,10 +50,15 @@ auto from_file(const Read &read) {
     }
 }
 
-// A scene, and the densities that its grids were made of: only the judge asks for those, so they stay the caller's.
+// What a grid was made of.
+struct GridSource {
+    std::optional<arguments::Floats> density; // none where it came as a grid
+    std::optional<arguments::Floats> colour, glow;
+};
+
+// A scene, and what its grids were made of: only the judge asks for that, so it stays the caller's.
 struct ConsoleScene : Scene {
-    std::vector<std::optional<arguments::Floats>> densities; // of each medium; none where it came as a grid
-    std::vector<std::optional<arguments::Floats>> colours;   // of each medium
+    std::vector<GridSource> sources; // of each medium
 
     // With all densities. Raises ValueError where a medium came as a grid, and for flags, which the reference has not.
     [[nodiscard]] Scene for_reference() const;

@@ -135,7 +135,13 @@ class Frame:
 class Grid:
     """Densities of smoke, cropped to the cells above empty_below (see emptiness)."""
 
-    def __init__(self, density: ArrayLike, empty_below: float = 0.0, colour: ArrayLike | None = None) -> None: ...
+    def __init__(
+        self,
+        density: ArrayLike,
+        empty_below: float = 0.0,
+        colour: ArrayLike | None = None,
+        glow: ArrayLike | None = None,
+    ) -> None: ...
     @property
     def amount(self) -> float:
         """The sum of all densities that are kept."""
@@ -212,8 +218,14 @@ class LitMedium:
     def density(self) -> NDArray[numpy.float32]:
         """(nz, ny, nx). A copy."""
     @property
+    def emission(self) -> NDArray[numpy.float32]:
+        """(n, 3), that of Scene.add_medium; no rows without a glow."""
+    @property
     def extinction(self) -> NDArray[numpy.float32]:
         """(3,), per metre and unit density."""
+    @property
+    def glow(self) -> Any:
+        """(nz, ny, nx), that of Scene.add_medium; None where nothing glows. A copy."""
     @property
     def grid_to_world(self) -> NDArray[numpy.float64]:
         """(4, 4): from cells to metres in world space."""
@@ -365,6 +377,8 @@ class Scene:
         anisotropy: float = 0.0,
         colour: ArrayLike | None = None,
         visibility: Visibility | None = None,
+        glow: ArrayLike | None = None,
+        emission: ArrayLike | None = None,
     ) -> None:
         """Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their
         densities add.

@@ -75,6 +75,18 @@ glm::dvec3 scattering(const Medium &medium, const glm::dvec3 &world) {
            });
 }
 
+glm::dvec3 emission(const Medium &medium, const glm::dvec3 &world) {
+    if (medium.glow.empty()) {
+        return glm::dvec3(0.0);
+    }
+    const auto glow = interpolate<double>(medium, transform(world_to_grid(medium), world),
+                                          [&](std::size_t cell) { return double{medium.glow[cell]}; });
+    const double row = std::clamp(glow, 0.0, 1.0) * static_cast<double>(medium.emission.size() - 1);
+    const auto low = static_cast<std::size_t>(row);
+    const std::size_t high = std::min(low + 1, medium.emission.size() - 1);
+    return glm::mix(glm::dvec3(medium.emission[low]), glm::dvec3(medium.emission[high]), row - std::floor(row));
+}
+
 std::vector<double> cell_crossings(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &to) {
     const glm::dmat4 matrix = world_to_grid(medium);
     const glm::dvec3 a = transform(matrix, from);

@@ -36,10 +36,12 @@ Ray camera_ray(const Camera &camera, double u, double v) {
     return ray;
 }
 
-// Whether any smoke is at a point.
+// Whether any smoke is at a point, or glows there.
 bool smoky(const Scene &scene, const glm::dvec3 &x) {
     return std::any_of(scene.media.begin(), scene.media.end(),
-                       [&](const Medium &medium) { return density(medium, x) > 0.0; }) ||
+                       [&](const Medium &medium) {
+                           return density(medium, x) > 0.0 || emission(medium, x) != glm::dvec3(0.0);
+                       }) ||
            std::any_of(scene.particles.begin(), scene.particles.end(), [&](const Particles &particles) {
                for (std::size_t i = 0; i < particles.points.size(); ++i) {
                    if (extinction(particles, i, x) > 0.0) {
@@ -101,7 +103,7 @@ std::vector<double> step_ends(const Scene &scene, const Ray &ray, double end, co
     for (std::size_t i = 0; i + 1 < kinks.size(); ++i) {
         const double from = kinks[i] * end;
         const double length = (kinks[i + 1] - kinks[i]) * end;
-        // A density is never negative, so if it is zero inside a cell then it is zero all along the way through it.
+        // Neither is ever negative, so if it is zero inside a cell then it is zero all along the way through it.
         if (!smoky(scene, ray.at(from + 0.5 * length))) {
             ends.push_back(from + length);
             continue;
@@ -115,10 +117,13 @@ std::vector<double> step_ends(const Scene &scene, const Ray &ray, double end, co
     return ends;
 }
 
-// Light that the smoke at x scatters once into the direction `onwards`, for each metre:
-//     sum over media, particles and lights  sigma_s rho(x) p(theta) E V(x, light) .
-glm::dvec3 scattered_at(const Scene &scene, const glm::dvec3 &x, const glm::dvec3 &onwards, unsigned samples_per_axis) {
+// Light that the smoke at x emits, and that it scatters once into the direction `onwards`, for each metre:
+//     sum over media  e(x)  +  sum over media, particles and lights  sigma_s rho(x) p(theta) E V(x, light) .
+glm::dvec3 sent_at(const Scene &scene, const glm::dvec3 &x, const glm::dvec3 &onwards, unsigned samples_per_axis) {
     glm::dvec3 sum(0.0);
+    for (const Medium &medium : scene.media) {
+        sum += emission(medium, x);
+    }
     for (const Light &light : scene.lights) {
         for (const LightSample &sample : light_samples(light, x, samples_per_axis)) {
             if (sample.irradiance == glm::dvec3(0.0)) {
@@ -140,9 +145,9 @@ glm::dvec3 scattered_at(const Scene &scene, const glm::dvec3 &x, const glm::dvec
     return sum;
 }
 
-// Light that the smoke on the first `end` metres of a ray scatters into it once, as it arrives at the ray's origin:
-//     L = int_0^end  T(origin, x) scattered_at(x)  ds ,   x = origin + s direction.
-glm::dvec3 in_scattered(const Scene &scene, const Ray &ray, double end, const Settings &settings) {
+// Light that the smoke on the first `end` metres of a ray sends into it, as it arrives at the ray's origin:
+//     L = int_0^end  T(origin, x) sent_at(x)  ds ,   x = origin + s direction.
+glm::dvec3 sent_by_smoke(const Scene &scene, const Ray &ray, double end, const Settings &settings) {
     glm::dvec3 sum(0.0);
     glm::dvec3 before(1.0); // the transmittance from the ray's origin to the start of the step
     const std::vector<double> ends = step_ends(scene, ray, end, settings);
@@ -155,7 +160,7 @@ glm::dvec3 in_scattered(const Scene &scene, const Ray &ray, double end, const Se
         for (const double node : {-1.0 / std::numbers::sqrt3, 1.0 / std::numbers::sqrt3}) { // Gauss and Legendre
             const glm::dvec3 x = ray.at(ends[i] + (1.0 + node) * half);
             const glm::dvec3 to_eye = before * transmittance(scene, start, x);
-            sum += half * to_eye * scattered_at(scene, x, -ray.direction, settings.light_samples_per_axis);
+            sum += half * to_eye * sent_at(scene, x, -ray.direction, settings.light_samples_per_axis);
         }
         before *= transmittance(scene, start, ray.at(ends[i + 1]));
     }
@@ -169,7 +174,7 @@ glm::dvec4 radiance(const Scene &scene, const Ray &ray, const Settings &settings
         hit ? reflected(scene, *hit, settings.sun_samples_per_axis) : glm::dvec3(scene.background);
     const glm::dvec3 through = transmittance(scene, ray.origin, ray.at(end));
     const double alpha = hit ? 1.0 : 1.0 - (through.x + through.y + through.z) / 3.0;
-    return glm::dvec4(colour * through + in_scattered(scene, ray, end, settings), alpha);
+    return glm::dvec4(colour * through + sent_by_smoke(scene, ray, end, settings), alpha);
 }
 
 } // namespace

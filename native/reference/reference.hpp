@@ -34,6 +34,9 @@ double density(const Medium &medium, const glm::dvec3 &world);
 // The scattering coefficient there, per metre.
 glm::dvec3 scattering(const Medium &medium, const glm::dvec3 &world);
 
+// What the smoke there sends by itself into each direction, per metre.
+glm::dvec3 emission(const Medium &medium, const glm::dvec3 &world);
+
 // Where the segment from `from` (0) to `to` (1) crosses planes through cell centres, in order, both ends included.
 // Between two neighbours in this list the density is one polynomial, a cubic in the distance.
 std::vector<double> cell_crossings(const Medium &medium, const glm::dvec3 &from, const glm::dvec3 &to);
@@ -131,10 +134,10 @@ struct Settings {
     unsigned light_samples_per_axis = 1; // of each light, as seen from the smoke; 1: its centre
 };
 
-// The image of the scene with single scattering: width x height pixels from the lower left, one ray through the centre
-// of each. RGB is radiance, premultiplied. Alpha is 1 on a surface, elsewhere what the smoke keeps from the background,
-// averaged over the colours. The eye sees no lights.
-// Throws std::invalid_argument for settings that cannot be used.
+// The image of the scene with single scattering, and what smoke emits: width x height pixels from the lower left, one
+// ray through the centre of each. RGB is radiance, premultiplied. Alpha is 1 on a surface, elsewhere what the smoke
+// keeps from the background, averaged over the colours. The eye sees no lights. Throws std::invalid_argument for
+// settings that cannot be used.
 std::vector<glm::dvec4> render(const Scene &scene, const Camera &camera, unsigned width, unsigned height,
                                const Settings &settings);
 

@@ -109,6 +109,10 @@ struct Medium {
     // The colour in which each cell scatters, by which `scattering` is multiplied; what it does not scatter of that, it
     // absorbs. What is interpolated is density times colour. Or none: white.
     std::vector<glm::vec3> colour;
+    // What glows: a number in [0, 1] for each cell, and by rows at equal distances over [0, 1] what that emits, W/(m^3
+    // sr), linear between two rows, whatever the density. The first row is black, as all is outside. Or none of both.
+    std::vector<float> glow;
+    std::vector<glm::vec3> emission;
     // What the frame makes of the density, where that is known already: then `density` may be empty.
     std::shared_ptr<const Grid> grid;
     glm::mat4 grid_to_world{1.0F};

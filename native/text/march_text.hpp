@@ -16,9 +16,13 @@ struct MarchText : Asked {
     using Asked::anisotropy_of;
     using Asked::clearance_at;
     using Asked::density_at;
+    using Asked::emission_row;
+    using Asked::emits;
     using Asked::extinction_of;
+    using Asked::glow_at;
     using Asked::grid_size;
     using Asked::is_parallel;
+    using Asked::last_row;
     using Asked::leave_knot;
     using Asked::light_at;
     using Asked::light_count;

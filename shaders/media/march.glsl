@@ -13,6 +13,8 @@
 //   where it is         to_grid(m, point), along_grid(m, direction), grid_size(m), clearance_at(m, cell)
 //   what a step meets   place_at(m, cell), density_at(m, place), longest_step(m) in cells, extinction_of(m)
 //   what that scatters  scattering_at(m, place), anisotropy_of(m), light_at(m, place, light)
+//   what it emits       emits(m), the same for all rays; glow_at(m, place), in [0, 1], for which emission_row(m, row)
+//                       stands, of rows up to last_row(m)
 // and a light: is_parallel(light), light_direction, light_position, light_size2, light_strength.
 
 // What lies behind this optical depth adds less than 1e-5 of its radiance: there a march stops.
@@ -73,6 +75,26 @@ vec3 scattered_by_medium(int m, Place place, float amount, Colour tau, Colour ta
   return sum * scattering_at(m, place); // grey smoke may still scatter in colours
 }
 
+// Per metre, whatever the density.
+vec3 emission_at(int m, Place place)
+{
+  float row = glow_at(m, place) * last_row(m);
+  float below = max(min(floor(row), last_row(m) - 1.0f), 0.0f);
+  vec3 low = emission_row(m, below);
+  return low + (emission_row(m, below + 1.0f) - low) * (row - below);
+}
+
+// What a step around t sends to the eye by itself: as light that is scattered, which has crossed nothing. Fire has edges
+// of a cell, and goes with the fourth power of what is in the grid: its mean over the step is taken by Gauss and
+// Legendre's rule of two points.
+vec3 emitted_by_medium(int m, Crossing crossing, float t, float metres, Colour tau, Colour tau_eye)
+{
+  vec3 middle = crossing.origin + crossing.direction * t;
+  vec3 aside = crossing.direction * (0.28867513f * metres);
+  vec3 both = emission_at(m, place_at(m, middle - aside)) + emission_at(m, place_at(m, middle + aside));
+  return both * scattered_by_step(0.5f * metres, tau, tau_eye, Colour(0.0f));
+}
+
 Smoke march(Ray ray, float reach)
 {
   Crossing crossings[MEDIA];
@@ -101,12 +123,14 @@ Smoke march(Ray ray, float reach)
     float t = near_t + (k + 0.5f) * dt;
     Place places[MEDIA];
     float amounts[MEDIA];
+    float glowing[MEDIA]; // metres
     Colour tau = Colour(0.0f);
     float leap = 1e6f; // steps that surely meet nothing
     bool met_any = k < 0.0f;
     for (int m = 0; m < media_count(); ++m) {
       Crossing crossing = crossings[m];
       amounts[m] = 0.0f;
+      glowing[m] = 0.0f;
       bool before = marching && t < crossing.inside.near_t;
       bool inside = marching && t >= crossing.inside.near_t && t <= crossing.inside.far_t;
       float ahead = pick(before, (crossing.inside.near_t - t) / max(dt, 1e-30f) - 1.0f, 1e6f);
@@ -119,6 +143,9 @@ Smoke march(Ray ray, float reach)
           places[m] = place_at(m, cell);
           amounts[m] = pick(inside, density_at(m, places[m]) * dt, 0.0f);
           tau = tau + extinction_of(m) * amounts[m];
+          if (emits(m)) {
+            glowing[m] = pick(inside, dt, 0.0f);
+          }
         }
         vec3 along = crossing.direction;
         float speed = max(max(abs(along.x), abs(along.y)), abs(along.z)) * dt; // cells a step
@@ -131,6 +158,11 @@ Smoke march(Ray ray, float reach)
       for (int m = 0; m < media_count(); ++m) {
         if (any_lane(amounts[m] > 0.0f)) {
           smoke.radiance = smoke.radiance + scattered_by_medium(m, places[m], amounts[m], tau, smoke.depth, world, ray.direction);
+        }
+        if (emits(m)) {
+          if (any_lane(glowing[m] > 0.0f)) {
+            smoke.radiance = smoke.radiance + emitted_by_medium(m, crossings[m], t, glowing[m], tau, smoke.depth);
+          }
         }
       }
       smoke.depth = smoke.depth + tau;

@@ -40,6 +40,16 @@ vec3 transformed(int medium, vec4 place)
 #else
 #  define scattering_at(medium, place) view.media[6 * (medium) + 5].xyz
 #endif
+#ifdef EMITTING
+#  define emits(medium) (last_row(medium) > 0.0f)
+#  define last_row(medium) view.emission[EMISSION_ROWS * (medium)].w
+#  define emission_row(medium, row) view.emission[EMISSION_ROWS * (medium) + int(row)].xyz
+#else
+#  define emits(medium) false
+#  define glow_at(medium, place) 0.0f
+#  define last_row(medium) 1.0f
+#  define emission_row(medium, row) vec3(0.0f)
+#endif
 #define anisotropy_of(medium) view.media[6 * (medium) + 5].w
 
 Arriving light_at(int medium, vec3 place, int light)

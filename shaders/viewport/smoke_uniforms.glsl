@@ -3,6 +3,7 @@
 
 #define MAX_LIGHTS 16
 #define MAX_MEDIA 5
+#define EMISSION_ROWS 128
 
 struct SmokeView {
   vec4 near0, near_u, near_v, far0, far_u, far_v; // see camera_ray
@@ -10,4 +11,7 @@ struct SmokeView {
   vec4 lights[3 * MAX_LIGHTS];                    // Frame.lights: direction, 1 for a sun; position, size^2; strength
   vec4 media[6 * MAX_MEDIA]; // rows of world -> grid; cells along x, y, z, bricks a cell; extinction, longest step in
                              // cells; scattering, anisotropy
+#ifdef EMITTING
+  vec4 emission[EMISSION_ROWS * MAX_MEDIA]; // of each medium's rows; the first has the number of the last
+#endif
 };

@@ -18,9 +18,10 @@ from sfumato.view import painter
 SIZE = (320, 180)
 
 
-def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True) -> Any:
+def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True, fire: bool = False) -> Any:
     """Two puffs of noise, with clear air between, in front of the sky and over a floor; a table stands in the upper.
-    With lamps, a wide sun, a spot and an area light too, and a second body of smoke that overlaps the first."""
+    With lamps, a wide sun, a spot and an area light too, and a second body of smoke that overlaps the first. With fire
+    the first glows, and its glow reaches beyond its smoke."""
     noise = np.random.default_rng(7).random((20, 24, 28), dtype=np.float32)
     z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in noise.shape), indexing="ij")
     puffs = [np.sqrt((x - s * 0.6) ** 2 + (y - s * 0.6) ** 2 + (z - s * 0.5) ** 2) for s in (-1.0, 1.0)]
@@ -32,7 +33,9 @@ def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True) -> 
     if smoke:
         # The first body has a colour of its own in every cell, where there is a second beside it, which is white.
         own = np.stack((x, y, z), axis=3) * 0.5 + 0.5 if lamps else None
-        made.add_medium(density, grid_to_world, scattering, (1.0, 1.0, 1.0), anisotropy=0.4, colour=own)
+        glow = np.clip(1.8 - 3.0 * puffs[0], 0.0, 1.0) * noise[::-1] if fire else None
+        rows = np.linspace(0.0, 1.0, 128)[:, None] ** np.array([2.0, 3.0, 4.0]) * (20.0, 30.0, 40.0) if fire else None
+        made.add_medium(density, grid_to_world, scattering, (1.0, 1.0, 1.0), 0.4, colour=own, glow=glow, emission=rows)
     made.add_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
     made.set_background((0.3, 0.4, 0.6))
     walls: tuple[tuple[ArrayLike, tuple[int, int, int]], ...] = (
@@ -65,15 +68,16 @@ def look(perspective: bool, **kind: bool) -> painter.Look:
 
 
 def test_gpu_and_cpu_make_the_same_picture() -> None:
-    for coloured, lamps in ((False, False), (True, False), (False, True), (True, True)):
-        frame = synthetic_frame(coloured, lamps)
+    cases = ((False, False), (True, False), (False, True), (True, True))
+    for coloured, lamps, fire in (*((*case, False) for case in cases), *((*case, True) for case in cases)):
+        frame = synthetic_frame(coloured, lamps, fire=fire)
         for perspective in (True, False):
             seen = look(perspective)
             cpu = frame.render(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, edge_samples=1)
             picture = painter.Painter().picture("test", frame, seen)
             gpu = screen.read(picture.buffer, 0, SIZE)
             assert (cpu[..., 3] < 1.0).any() and (cpu[..., 3] == 1.0).any(), "the picture lacks sky or floor"
-            name = f"{'coloured' if coloured else 'grey'}{', lamps' if lamps else ''}, "
+            name = f"{'coloured' if coloured else 'grey'}{', lamps' if lamps else ''}{', fire' if fire else ''}, "
             name += "perspective" if perspective else "orthographic"
             assert_same(name, gpu, cpu)
 

@@ -119,6 +119,7 @@ struct Cubes {
     float full = 0.0F;                         // cells before that are known to be empty
     int asked = 0;                             // how often density was looked up
     std::vector<std::array<float, 3>> knots{}; // where a step ends, the radiance and the optical depth up to there
+    float glow = 0.0F;                         // of each
 
     void leave_knot(float t, float /*step*/, const glm::vec3 &radiance, float depth) {
         knots.push_back({t, radiance.x, depth});
@@ -138,6 +139,12 @@ struct Cubes {
     float density_at(int /*m*/, const glm::vec3 &cell) {
         ++asked;
         return cell.x < full ? 0.0F : density;
+    }
+    [[nodiscard]] bool emits(int /*m*/) const { return glow > 0.0F; }
+    [[nodiscard]] float glow_at(int /*m*/, const glm::vec3 &cell) const { return cell.x < full ? 0.0F : glow; }
+    [[nodiscard]] float last_row(int /*m*/) const { return 2.0F; }
+    [[nodiscard]] glm::vec3 emission_row(int m, float row) const {
+        return {6.0F * row, m == 0 ? 0.0F : row * row, 0.0F};
     }
     [[nodiscard]] float longest_step(int /*m*/) const { return 1.0F; }
     [[nodiscard]] float extinction_of(int /*m*/) const { return 1.0F; }
@@ -203,6 +210,22 @@ TEST(March, LeapsOverWhatIsEmptyAndStopsWhereNothingIsSeen) {
     const MarchText::Smoke smoke = dense.march(AHEAD, 10.0F);
     EXPECT_EQ(dense.asked, 12) << "to an optical depth of 12, one a cell";
     EXPECT_NEAR(smoke.radiance.x, 1.0, 1e-4) << "what lies behind is e^-12 of it";
+}
+
+// A glow of 3/4 is half way between the rows 1 and 2.
+TEST(March, OfSmokeThatGlowsAddsWhatItsOwnDepthLeaves) {
+    for (const float density : {0.0F, 0.1F, 2.0F}) {
+        MarchText dark{{2, density, 0.0F}}, text{{2, density, 0.0F}};
+        text.glow = 0.75F;
+        const glm::vec3 sent = text.march(AHEAD, 10.0F).radiance - dark.march(AHEAD, 10.0F).radiance;
+        const double d = density, mean = d > 0.0 ? (1.0 - std::exp(-d)) / d : 1.0;
+        EXPECT_NEAR(sent.x, 9.0 * mean * (1.0 + std::exp(-d)), 1e-3) << "both emit red";
+        EXPECT_NEAR(sent.y, 2.5 * mean * std::exp(-d), 1e-4) << "the second one, green";
+        EXPECT_EQ(sent.z, 0.0F);
+        EXPECT_NEAR(text.march(AHEAD, 3.5F).radiance.x - dark.march(AHEAD, 3.5F).radiance.x,
+                    9.0 * (d > 0.0 ? (1.0 - std::exp(-0.5 * d)) / d : 0.5), 1e-3)
+            << "up to a surface inside";
+    }
 }
 
 } // namespace
