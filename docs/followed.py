@@ -37,7 +37,9 @@ it makes **no difference** to our picture. Made from the tables in `addon/export
 3.4 to 5.3, and fail at one that is not here. What a Blender does not have yet, or no more, counts for nothing in it.
 
 Of every scene, and therefore said here alone: **light is shown as it comes from lamps**, once scattered by smoke or once
-reflected. What surfaces and smoke pass on to others, as Cycles does up to its *Max Bounces*, is not shown.
+reflected. What surfaces and smoke pass on to others, as Cycles does up to its *Max Bounces*, is not shown. **Fire** is a lamp,
+too: a few spheres fitted to it light surfaces, and smoke where *Volume* bounces would let it. Cycles' black bodies emit
+negative blue below some 1900 K, and green below 950 K: here that is 0.
 """
 
 

@@ -87,17 +87,36 @@ def smoke_of(thing: Any, depsgraph: Any, notices: list[str]) -> Smoke | None:
     if thing.type == "VOLUME":
         if not found:
             return Smoke(np.full(3, 0.5), np.full(3, 0.5))  # a Principled Volume as it comes
-        found = found[:1]
-    for material in found:
-        output = active_output(material)
-        node = linked_node(output, "Volume") if output is not None else None
-        if node is None or node.mute:
-            continue
+    shaders = volume_shaders(thing, depsgraph)
+    if shaders:
+        # What an Emission emits, emission.py says.
+        node, *others = [shader for shader in shaders if shader.type != "EMISSION"] or [None]
+        for other in others:
+            notices.append(f"{thing.name}: of its volume shaders, {other.bl_rna.name} is not shown beside another")
+        if node is None:
+            return Smoke(np.zeros(3), np.zeros(3))
         return _of_shader(node, thing.name, notices)
     if thing.type == "VOLUME":
         return None
     notices.append(f"{thing.name}: no Principled Volume in its material; shown as white smoke of density 1")
     return _WHITE
+
+
+def volume_shaders(thing: Any, depsgraph: Any) -> list[Any]:
+    """The shaders whose sum fills an object, of its first material that has any; of a Volume object, of its first."""
+    found = [material for material in materials_of(thing, depsgraph) if material is not None]
+    for material in found[:1] if thing.type == "VOLUME" else found:
+        output = active_output(material)
+        shaders = [] if output is None else _added(linked_node(output, "Volume"))
+        if shaders:
+            return shaders
+    return []
+
+
+def _added(node: Any | None) -> list[Any]:
+    if node is None or node.mute:
+        return []
+    return [*_added(linked_node(node, 0)), *_added(linked_node(node, 1))] if node.type == "ADD_SHADER" else [node]
 
 
 _WHITE = Smoke(np.ones(3), np.zeros(3))

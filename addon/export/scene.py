@@ -167,10 +167,11 @@ def export(
             if thing.type == "POINTCLOUD":
                 points.add_cloud(number, thing, matrices[number])
                 continue
-            medium = smoke.medium_of(thing, matrices[number], depsgraph, parts, out.notices)
-            if medium is not None:
+            bodies = smoke.media_of(thing, matrices[number], depsgraph, parts, out.notices)
+            if bodies is not None:
                 omissions.of_smoke(thing, out.notices)
-                media.append((number, thing.name, medium))
+                media += [(number, thing.name, medium) for medium in bodies]
+                lit += add_flames(out.scene, bodies, flags.reach_of(thing))
             elif thing.type in meshes.SURFACE_TYPES:
                 groups[key] = group = _group_of(thing, depsgraph, parts, looks)
                 if group is not None:
@@ -334,6 +335,14 @@ def add_points(out: Export, points: particles.Particles, parts: Parts, seen: See
             add_surfaces(out, group, numbers, places, kind, None)
 
 
+def add_flames(scene: Any, media: list[smoke.Medium], reach: Reach | None) -> int:
+    """The light of what burns. Returns how many lights that is."""
+    flames = [flame for medium in media for flame in medium.flames] if reach is not None else []
+    for flame in flames:
+        scene.add_point(flame.position, flame.intensity, radius=flame.radius, reach=visibility.native(reach))
+    return len(flames)
+
+
 def add_media(out: Export, media: list[tuple[str, smoke.Medium, Visibility | None]]) -> None:
     """The bodies of smoke; where there are too many, those with the most in them."""
     media = sorted(media, key=lambda entry: entry[1].amount, reverse=True)
@@ -354,6 +363,7 @@ def add_media(out: Export, media: list[tuple[str, smoke.Medium, Visibility | Non
                 medium.absorption,
                 medium.anisotropy,
                 visibility=visibility.native(seen),
+                emission=medium.emission,
             )
             out.drawn |= {name} if number < MOST_MEDIA else set()
         except ValueError as error:

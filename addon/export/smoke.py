@@ -8,7 +8,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -16,20 +16,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat, core
-from . import materials, meshes
+from . import emission, fire, materials, meshes
 from .parts import Parts
 
 
 @dataclass
 class Medium:
-    """A native grid of densities, what they sum up to, and what its material makes of it, per metre and unit density."""
+    """A native grid of densities, what they sum up to, and what its material makes of it, per metre and unit density; or
+    one of what glows, the rows of what that emits, and the spheres by which it lights what is around it."""
 
     grid: Any
     amount: float
     grid_to_world: NDArray[np.float64]
     scattering: NDArray[np.float64]
     absorption: NDArray[np.float64]
-    anisotropy: float
+    anisotropy: float = 0.0
+    emission: NDArray[np.float64] | None = None
+    flames: list[fire.Flame] = field(default_factory=list)
 
 
 class Missing(ValueError):
@@ -45,11 +48,11 @@ def domain_settings(thing: Any) -> Any | None:
     return None
 
 
-def medium_of(
+def media_of(
     thing: Any, matrix: NDArray[np.float64], depsgraph: Any, parts: Parts, notices: list[str]
-) -> Medium | None:
-    """The smoke of an object at this frame, None if it is not smoke, or shows none, as in Cycles. Raises ValueError for
-    smoke that is not there."""
+) -> list[Medium] | None:
+    """The smoke of an object at this frame, and its fire; None if it is not smoke, or shows none, as in Cycles. Raises
+    ValueError for smoke that is not there."""
     settings = None if thing.type == "VOLUME" else domain_settings(thing)
     if thing.type != "VOLUME" and settings is None:
         return None
@@ -58,13 +61,133 @@ def medium_of(
     smoke = materials.smoke_of(thing, depsgraph, notices)
     if smoke is None:
         return None
-    if settings is not None:
-        medium: Medium | None = _of_domain(settings, matrix, depsgraph, smoke, parts)
-    else:
-        medium = _of_object(thing, matrix, smoke, parts, notices)
+    emitters = emission.emitters_of(thing, depsgraph, notices)
+    fires = _fires(thing, settings, matrix, depsgraph, smoke, emitters, parts) if emitters else []
+    if fires and not smoke.extinction.any():
+        return fires
+    try:
+        if settings is not None:
+            medium: Medium | None = _of_domain(settings, matrix, depsgraph, smoke, parts)
+        else:
+            medium = _of_object(thing, matrix, smoke, parts, notices)
+    except Missing:
+        raise
+    except ValueError:
+        if not fires:
+            raise
+        medium = None  # flames alone
     if medium is not None and smoke.tint:
         _name_bright(thing.name, medium, notices)
-    return medium
+    return fires if medium is None else [medium, *fires]
+
+
+def _fires(
+    thing: Any,
+    settings: Any | None,
+    matrix: NDArray[np.float64],
+    depsgraph: Any,
+    smoke: materials.Smoke,
+    emitters: tuple[emission.Emitter, ...],
+    parts: Parts,
+) -> list[Medium]:
+    """What glows of an object, by the grids that say how. A grid that is not there is as in Cycles."""
+    if settings is not None:
+        grids = _domain_values(
+            settings, depsgraph.scene.frame_current, [smoke.attribute, *(e.attribute for e in emitters)]
+        )
+    else:
+        if thing.data.render.space == "OBJECT":
+            unit = world_unit(matrix)
+            emitters = tuple(replace(emitter, scale=emitter.scale / unit) for emitter in emitters)
+        grids = _volume_values(thing, [smoke.attribute, *(e.attribute for e in emitters)])
+    known = emission.merged([e if e.attribute in grids else e.everywhere() for e in emitters])
+    return [
+        medium for emitter in known if (medium := _fire(emitter, grids, smoke.attribute, matrix, parts)) is not None
+    ]
+
+
+def _fire(
+    emitter: emission.Emitter, grids: dict[str, _Values], density: str, matrix: NDArray[np.float64], parts: Parts
+) -> Medium | None:
+    """What glows by one of an object's grids, or everywhere."""
+    values = grids.get(emitter.attribute) or grids.get(density) or next(iter(grids.values()))
+    if emitter.attribute not in grids:
+        values = replace(values, cells=np.zeros_like(values.cells))
+    filled = np.zeros(0, np.bool_)
+    if emitter.of(np.zeros(1)).any():
+        values, filled = _enclosed(values, grids)
+    burning = fire.fire_of(values.cells, emitter, filled)
+    if burning is None:
+        return None
+    glow = burning.glow
+    grid_to_world = matrix @ values.grid_to_object
+    grid = parts.part(lambda: (glow,), ("glow",), lambda cells: core.module().Grid(np.zeros_like(cells), glow=cells))
+    flames = fire.flames_of(burning, grid_to_world)
+    return Medium(grid, 0.0, grid_to_world, np.zeros(3), np.zeros(3), 0.0, burning.emission, flames)
+
+
+_CLIPPING = 1e-3  # what Cycles counts as active, by default
+
+
+@dataclass
+class _Values:
+    """A grid (z, y, x), the matrix from its cells to the object, and where on the lattice of all the first cell lies."""
+
+    cells: NDArray[np.float32]
+    grid_to_object: NDArray[np.float64]
+    first: NDArray[np.int64]
+
+    def room_in(self, low: NDArray[np.int64]) -> tuple[slice, ...]:
+        return tuple(slice(begin, begin + size) for begin, size in zip(self.first - low, self.cells.shape))
+
+
+def _enclosed(values: _Values, grids: dict[str, _Values]) -> tuple[_Values, NDArray[np.bool_]]:
+    """A grid with room for all of the blocks that Cycles' mesh of a volume with these grids consists of, and the cells in
+    those."""
+    axes = values.grid_to_object[:3, :3]
+    alike = [other for other in grids.values() if np.allclose(other.grid_to_object[:3, :3], axes)]
+    low = (np.min([other.first for other in alike], axis=0) - 1) // fire.BLOCK * fire.BLOCK
+    high = -(-(np.max([other.first + other.cells.shape for other in alike], axis=0) + 1) // fire.BLOCK) * fire.BLOCK
+    active, cells = np.zeros(high - low, np.bool_), np.zeros(high - low, np.float32)
+    for other in alike:
+        active[other.room_in(low)] |= other.cells > _CLIPPING
+    cells[values.room_in(low)] = values.cells
+    moved = values.grid_to_object.copy()
+    moved[:3, 3] += axes @ (low - values.first)[::-1]
+    return _Values(cells, moved, low), fire.in_blocks(active)
+
+
+def _domain_values(settings: Any, frame: int, attributes: list[str]) -> dict[str, _Values]:
+    """The grids that a domain has of these."""
+    found: dict[str, _Values] = {}
+    for attribute in dict.fromkeys(attributes):
+        if attribute in _DOMAIN_GRIDS and len(getattr(settings, _DOMAIN_GRIDS[attribute])):
+            found[attribute] = _Values(*domain_grid(settings, frame, attribute, empty=True), np.zeros(3, np.int64))
+    if not found:
+        domain_grid(settings, frame)  # says what is missing
+    return found
+
+
+def _volume_values(thing: Any, attributes: list[str]) -> dict[str, _Values]:
+    """The grids that a file has of these."""
+    found: dict[str, _Values] = {}
+    with file_of(thing) as (path, _):
+        for attribute in dict.fromkeys(attributes):
+            if path is None or attribute not in thing.data.grids:
+                continue
+            cells, grid_to_object = core.module().read_volume(path, attribute)
+            if not cells.size:
+                continue
+            # To OpenVDB a sample is a point of the lattice.
+            lattice = np.linalg.inv(np.array(thing.data.grids[attribute].matrix_object, np.float64))
+            first = np.round((lattice @ grid_to_object @ (0.5, 0.5, 0.5, 1.0))[2::-1]).astype(np.int64)
+            grid_to_object[:3, 3] += grid_to_object[:3, :3] @ np.full(3, compat.sample_place())
+            found[attribute] = _Values(cells, grid_to_object, first)
+    if not found:
+        raise ValueError(
+            f"its file has none of the grids that its material asks for: {', '.join(filter(None, attributes))}"
+        )
+    return found
 
 
 def _of_object(
@@ -157,9 +280,9 @@ _DOMAIN_GRIDS = {
 
 
 def domain_grid(
-    settings: Any, frame: int, attribute: str = "density"
+    settings: Any, frame: int, attribute: str = "density", empty: bool = False
 ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """A grid (z, y, x) of a Mantaflow domain, and the matrix from its cells to the object."""
+    """A grid (z, y, x) of a Mantaflow domain, which may be `empty`, and the matrix from its cells to the object."""
     missing = f"no smoke at frame {frame}: bake the domain, or find its cache, '{settings.cache_directory}'"
     if attribute not in _DOMAIN_GRIDS:
         raise ValueError(f"its material takes '{attribute}' for density, which a domain has not: nothing is shown")
@@ -175,7 +298,7 @@ def domain_grid(
     finer = round((cells / base) ** (1.0 / 3.0)) if base else 0
     if finer < 1 or base * finer**3 != cells:
         raise ValueError(f"its grid of {cells} cells does not fit its resolution {tuple(resolution)}")
-    if not density.any():
+    if not empty and not density.any():
         raise _absence(settings, frame, missing)
     grid_to_object = np.diag([*(np.array(settings.cell_size) / finer), 1.0])
     # An adaptive domain shrinks to its smoke, and its settings do not say to where; its evaluated mesh does.

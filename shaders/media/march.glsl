@@ -85,14 +85,17 @@ vec3 emission_at(int m, Place place)
 }
 
 // What a step around t sends to the eye by itself: as light that is scattered, which has crossed nothing. Fire has edges
-// of a cell, and goes with the fourth power of what is in the grid: its mean over the step is taken by Gauss and
-// Legendre's rule of two points.
+// of a cell, and goes with the fourth power of what is in the grid: its mean over each half of the step, which may have a
+// cell's middle between them, is taken by Gauss and Legendre's rule of two points.
 vec3 emitted_by_medium(int m, Crossing crossing, float t, float metres, Colour tau, Colour tau_eye)
 {
-  vec3 middle = crossing.origin + crossing.direction * t;
-  vec3 aside = crossing.direction * (0.28867513f * metres);
-  vec3 both = emission_at(m, place_at(m, middle - aside)) + emission_at(m, place_at(m, middle + aside));
-  return both * scattered_by_step(0.5f * metres, tau, tau_eye, Colour(0.0f));
+  vec3 sum = vec3(0.0f, 0.0f, 0.0f);
+  for (int point = 0; point < 4; ++point) {
+    float half_step = point < 2 ? -0.25f : 0.25f; // its middle
+    float away = half_step + (point == 0 || point == 2 ? -0.14433757f : 0.14433757f);
+    sum = sum + emission_at(m, place_at(m, crossing.origin + crossing.direction * (t + away * metres)));
+  }
+  return sum * scattered_by_step(0.25f * metres, tau, tau_eye, Colour(0.0f));
 }
 
 Smoke march(Ray ray, float reach)

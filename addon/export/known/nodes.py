@@ -57,16 +57,10 @@ FOLLOWED = (
     Node("ShaderNodeBackground", ("Color", "Strength"), idle={_WEIGHT: ("Weight",)}),
     Node(
         "ShaderNodeVolumePrincipled",
-        ("Color", "Color Attribute", "Density", "Density Attribute", "Anisotropy", "Absorption Color"),
-        (
-            Socket("Emission Strength", (0.0,), "it does not glow"),
-            Socket("Blackbody Intensity", (0.0,), "it does not glow"),
-        ),
-        idle={
-            "details of its glow, which is named as a whole": (
-                "Emission Color", "Blackbody Tint", "Temperature", "Temperature Attribute"),
-            _WEIGHT: ("Weight",),
-        },
+        ("Color", "Color Attribute", "Density", "Density Attribute", "Anisotropy", "Absorption Color",
+         "Emission Strength", "Emission Color", "Blackbody Intensity", "Blackbody Tint", "Temperature",
+         "Temperature Attribute"),
+        idle={_WEIGHT: ("Weight",)},
     ),
     Node(
         "ShaderNodeOutputMaterial",

@@ -18,7 +18,8 @@ def exported(thing: bpy.types.Object, notices: list[str] | None = None) -> smoke
     depsgraph = bpy.context.evaluated_depsgraph_get()
     matrix = np.array(thing.matrix_world, float)
     said = [] if notices is None else notices
-    return smoke.medium_of(thing.evaluated_get(depsgraph), matrix, depsgraph, parts.Parts(), said)
+    media = smoke.media_of(thing.evaluated_get(depsgraph), matrix, depsgraph, parts.Parts(), said)
+    return media[0] if media else None
 
 
 def refusal(thing: bpy.types.Object) -> str:

@@ -18,10 +18,10 @@ FRAMES = harness.ROOT / "blend_samples" / "frames"
 def exported(thing: bpy.types.Object, kept: parts.Parts) -> smoke.Medium:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = thing.evaluated_get(depsgraph)
-    medium = smoke.medium_of(evaluated, np.array(thing.matrix_world, float), depsgraph, kept, [])
-    assert medium is not None
+    media = smoke.media_of(evaluated, np.array(thing.matrix_world, float), depsgraph, kept, [])
+    assert media is not None and len(media) == 1
     kept.end_export()
-    return medium
+    return media[0]
 
 
 def test_a_file_is_read_where_the_array_of_it_lies() -> None:

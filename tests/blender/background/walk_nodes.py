@@ -75,7 +75,8 @@ def link_noise(node: Any, socket: Any) -> None:
 
 # Without which others mean nothing.
 NEEDS = {"Anisotropic Rotation": "Anisotropic", "Rotation": "Anisotropy", "Coat Roughness": "Coat Weight",
-         "Coat IOR": "Coat Weight"}  # fmt: skip
+         "Coat IOR": "Coat Weight", "Emission Color": "Emission Strength", "Blackbody Tint": "Blackbody Intensity",
+         "Temperature": "Blackbody Intensity"}  # fmt: skip
 
 
 def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
