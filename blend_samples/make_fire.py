@@ -21,7 +21,7 @@ sys.path.insert(0, str(HERE))
 from make import add, forget_home, material, named  # noqa: E402
 
 CACHE = HERE / "fire_cache"
-STILL_FRAME = 24
+STILL_FRAME = 16
 # What is shown of each frame; the settings' temperature is made of the flame, a file's own is another.
 GRIDS = ("density", "flame", "temperature")
 
@@ -34,8 +34,8 @@ def fire_material() -> bpy.types.Material:
     nodes = made.node_tree.nodes
     nodes.clear()
     volume = nodes.new("ShaderNodeVolumePrincipled")
-    volume.inputs["Color"].default_value = (0.3, 0.3, 0.3, 1.0)
-    volume.inputs["Density"].default_value = 4.0
+    volume.inputs["Color"].default_value = (0.7, 0.7, 0.7, 1.0)
+    volume.inputs["Density"].default_value = 20.0
     volume.inputs["Blackbody Intensity"].default_value = 1.0
     volume.inputs["Blackbody Tint"].default_value = (30.0, 30.0, 30.0, 1.0)
     output = nodes.new("ShaderNodeOutputMaterial")
@@ -44,8 +44,8 @@ def fire_material() -> bpy.types.Material:
 
 
 def fire(folder: Path, last_frame: int, resolution: int) -> bpy.types.Object:
-    """A domain of a metre and a half with a burning ball in it, not baked yet. Returns the domain."""
-    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, 0.8), scale=(1.0, 1.0, 1.6))
+    """A domain of two metres with a burning ball in it, not baked yet. Returns the domain."""
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, 1.0), scale=(1.0, 1.0, 2.0))
     bpy.ops.object.transform_apply(location=False, rotation=False)
     domain = named("Fire Domain")
     domain.data.materials.append(fire_material())
@@ -55,19 +55,19 @@ def fire(folder: Path, last_frame: int, resolution: int) -> bpy.types.Object:
     settings.domain_type = "GAS"
     settings.resolution_max = resolution
     settings.use_adaptive_domain = False
-    settings.alpha, settings.beta, settings.vorticity = 0.5, 2.0, 0.3
-    settings.burning_rate, settings.flame_smoke = 0.9, 1.0
+    settings.alpha, settings.beta, settings.vorticity = 0.5, 1.5, 0.3
+    settings.burning_rate, settings.flame_smoke = 1.5, 2.0
     settings.display_thickness = 0.001  # Solid mode's own smoke would show through Sfumato's
     settings.cache_directory = str(folder)
     settings.cache_type, settings.cache_data_format, settings.openvdb_data_depth = "ALL", "OPENVDB", "16"
     settings.cache_frame_start, settings.cache_frame_end = 1, last_frame
 
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, radius=0.22, location=(0.0, 0.0, 0.3))
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, radius=0.16, location=(0.0, 0.0, 0.22))
     emitter = named("Burner")
     flow = emitter.modifiers.new("Fluid", "FLUID")
     flow.fluid_type = "FLOW"
     flow.flow_settings.flow_type, flow.flow_settings.flow_behavior = "FIRE", "INFLOW"
-    flow.flow_settings.fuel_amount = 1.2
+    flow.flow_settings.fuel_amount = 0.7
     emitter.hide_render = True
     return domain
 
@@ -140,7 +140,7 @@ def main() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     shutil.rmtree(CACHE, ignore_errors=True)
     room()
-    domain = fire(CACHE, STILL_FRAME, 48)
+    domain = fire(CACHE, STILL_FRAME, 64)
     bake(domain, CACHE)
     keep_what_is_shown(CACHE, STILL_FRAME)
     # Only the bake needs the burner, and Blender leaves out of a bake what the viewport hides.

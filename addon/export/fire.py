@@ -85,11 +85,9 @@ _WEAK = 0.02
 def flames_of(fire: Fire, grid_to_world: Array) -> list[Flame]:
     """The spheres that stand for a fire: its cells are divided where they are spread widest, by their power, until there
     are as many as there may be; a sphere has the middle, the power and the spread of its part."""
-    cells = np.argwhere(fire.glow > 0.0)
-    if not len(cells):
+    if not fire.glow.any():
         return []
-    rows = fire.glow[tuple(cells.T)].astype(np.float64) * (len(fire.emission) - 1)
-    emitted = np.stack([np.interp(rows, np.arange(len(fire.emission)), fire.emission[:, c]) for c in range(3)], axis=1)
+    cells, emitted = _emitted(fire)
     # Of a volume that emits e into each direction, the intensity is e times the volume.
     emitted *= abs(float(np.linalg.det(grid_to_world[:3, :3])))
     weights = emitted.sum(axis=1)
@@ -120,6 +118,29 @@ def flames_of(fire: Fire, grid_to_world: Array) -> list[Flame]:
         radius = max(float(np.sqrt(away2 * 5.0 / 3.0)), cell)
         flames.append(Flame(middle_at, radius, emitted[part].sum(axis=0)))
     return _without_weak(flames, total)
+
+
+def _emitted(fire: Fire) -> tuple[NDArray[np.int64], Array]:
+    """Cells (n, 3), along z, y and x, and the mean of what each emits (n, 3), between whose middles the glow is linear: it
+    is no more than a third of what the middle emits beside a cell that is dark, where that goes with the fifth power of a
+    temperature. By Gauss and Legendre's rule of two points along each axis."""
+    lit = np.argwhere(fire.glow > 0.0)
+    low, high = lit.min(axis=0), lit.max(axis=0) + 1
+    glow = np.pad(fire.glow[tuple(slice(a, b) for a, b in zip(low, high))], 2)
+    rows = np.arange(len(fire.emission)) / (len(fire.emission) - 1)
+    near = glow > 0.0
+    for axis in range(3):
+        near |= np.roll(near, 1, axis=axis) | np.roll(near, -1, axis=axis)
+    mean = np.zeros((int(near.sum()), 3))
+    aside = np.float32(0.5 / np.sqrt(3.0))
+    for sides in np.ndindex(2, 2, 2):
+        there = glow
+        for axis, side in enumerate(sides):
+            there = (1 - aside) * there + aside * np.roll(there, 1 if side else -1, axis=axis)
+        for c in range(3):
+            mean[:, c] += 0.125 * np.interp(there[near], rows, fire.emission[:, c])
+    cells: NDArray[np.int64] = np.argwhere(near) + low - 2
+    return cells, mean
 
 
 def _spread(places: Array, weights: Array) -> tuple[float, Array]:

@@ -119,11 +119,16 @@ def _fire(
     burning = fire.fire_of(values.cells, emitter, filled)
     if burning is None:
         return None
-    glow = burning.glow
+    glow, rows = burning.glow, burning.emission
     grid_to_world = matrix @ values.grid_to_object
     grid = parts.part(lambda: (glow,), ("glow",), lambda cells: core.module().Grid(np.zeros_like(cells), glow=cells))
-    flames = fire.flames_of(burning, grid_to_world)
-    return Medium(grid, 0.0, grid_to_world, np.zeros(3), np.zeros(3), 0.0, burning.emission, flames)
+    flames = parts.part(
+        lambda: (glow, rows),
+        ("flames", grid_to_world.tobytes()),
+        lambda *made: fire.flames_of(fire.Fire(*made), grid_to_world),
+    )
+    assert flames is not None
+    return Medium(grid, 0.0, grid_to_world, np.zeros(3), np.zeros(3), 0.0, rows, flames)
 
 
 _CLIPPING = 1e-3  # what Cycles counts as active, by default
