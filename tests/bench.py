@@ -214,6 +214,14 @@ def preintegrated() -> tuple[Sequence[Row], list[str]]:
     return preintegration()
 
 
+def particles() -> tuple[Sequence[Row], list[str]]:
+    """Light maps and pictures of a plume of particles, as in Jansen and Bavoil (2010), and beside Cycles."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_particles import particles as plumes
+
+    return plumes()
+
+
 def package() -> tuple[Sequence[Row], list[str]]:
     """The module that packaging/release made, against the one of this build."""
     from bench_package import package as both
@@ -232,6 +240,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "lights": lights,
     "oit": transparency,
     "package": package,
+    "particles": particles,
     "preintegration": preintegrated,
     "versions": versions,
 }

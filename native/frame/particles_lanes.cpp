@@ -31,7 +31,7 @@ struct Chord {
     Mask met;
 };
 
-Chord chord_of(const Puff &puff, const Ray &ray, const Real &reach) {
+[[gnu::always_inline]] inline Chord chord_of(const Puff &puff, const Ray &ray, const Real &reach) {
     const vec3 away = broadcast(puff.middle) - ray.origin;
     Chord chord;
     chord.middle = dot(away, ray.direction);

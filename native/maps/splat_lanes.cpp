@@ -11,8 +11,13 @@ Real inside_of(const SplatPuff &puff, const Real &x, const Real &y) {
     return 1.0F - dx * dx - dy * dy;
 }
 
-Real share_of_column(const SplatPuff &puff, const TexelRays &rays) {
-    return MediaText().puff_column(max(inside_of(puff, rays.x, rays.y), 0.0F));
+void shares_of_column(const SplatPuff &puff, const TexelRays &rays, Real (&shares)[GROUP]) {
+    const Real dx = (rays.x - puff.x) * puff.per_radius, beside = 1.0F - dx * dx;
+    Real dy = (rays.y - puff.y) * puff.per_radius;
+    for (Real &share : shares) {
+        share = MediaText().puff_column(max(beside - dy * dy, 0.0F));
+        dy = dy + float{ROWS} * puff.per_radius;
+    }
 }
 
 Crossing cross(const SplatPuff &puff, const TexelRays &rays) {

@@ -68,7 +68,9 @@ struct Listed {
         begin = of.bins.begin[number];
         end = of.bins.begin[number + 1];
     }
-    [[nodiscard]] std::int32_t number(std::uint32_t i) const { return splat.bins.numbers[splat.bins.ranks[i]]; }
+    [[nodiscard]] std::int32_t number(std::uint32_t i) const {
+        return splat.bins.ranks[i]; // as they came: bins without depths
+    }
     [[nodiscard]] const Primitive &operator[](std::uint32_t i) const { return splat.primitives[number(i)]; }
 };
 
@@ -196,37 +198,47 @@ void splat_packet(const Listed<Primitive> &list, int column, int row, int packet
     }
 }
 
-// The paper's: of one range for all, what a primitive adds to any ray goes as its column.
+// Packets at a time whose sums stay in registers.
+constexpr int COUNT = 7, GROUP = LANES == 16 ? 4 : 1, ROWS = LANES < BLOCK ? 1 : LANES / BLOCK;
+
+// The paper's: of one range for all, what a primitive adds to any ray goes as its column. Asked for is the share of it
+// on the rays of GROUP packets, each ROWS rows above the last: shares_of_column(primitive, rays, shares).
 template <typename Primitive>
 void splat_published(const Listed<Primitive> &list, int column, int row, int packet) {
-    constexpr int COUNT = 7;
     const Splat<Primitive> &splat = list.splat;
     const TexelRays rays = rays_of(splat.map, column, row, packet);
-    Real sums[COUNT];
-    std::fill(sums, sums + COUNT, Real(0.0F));
+    Real sums[GROUP][COUNT];
+    for (auto &of_packet : sums) {
+        std::fill(of_packet, of_packet + COUNT, Real(0.0F));
+    }
     for (std::uint32_t i = list.begin; i < list.end; ++i) {
         const std::int32_t number = list.number(i);
-        const Real share = share_of_column(splat.primitives[number], rays);
-        if (!xsimd::any(share > 0.0F)) {
-            continue;
-        }
         const float *const weights = splat.weights + std::ptrdiff_t{number} * Splat<Primitive>::WEIGHTS;
-        for (int k = 0; k < COUNT; ++k) {
-            sums[k] = xsimd::fma(share, Real(weights[k]), sums[k]);
+        Real shares[GROUP];
+        shares_of_column(splat.primitives[number], rays, shares);
+#pragma GCC unroll 4
+        for (int p = 0; p < GROUP; ++p) {
+#pragma GCC unroll 7
+            for (int k = 0; k < COUNT; ++k) {
+                sums[p][k] = xsimd::fma(shares[p], Real(weights[k]), sums[p][k]);
+            }
         }
     }
-    for (int k = 0; k < COUNT; ++k) {
-        store(splat, column, row, packet, sums[k], k);
+    for (int p = 0; p < GROUP; ++p) {
+        for (int k = 0; k < COUNT; ++k) {
+            store(splat, column, row, packet + p, sums[p][k], k);
+        }
     }
 }
 
 template <typename Primitive>
 void splat_block(const Splat<Primitive> &splat, int column, int row) {
     const Listed<Primitive> list(splat, column, row);
-    for (int packet = 0; packet < PACKETS; ++packet) {
-        if (splat.weights != nullptr) {
-            splat_published(list, column, row, packet);
-        } else if (splat.map.basis == COSINE) {
+    for (int packet = 0; splat.weights != nullptr && packet < PACKETS; packet += GROUP) {
+        splat_published(list, column, row, packet);
+    }
+    for (int packet = 0; splat.weights == nullptr && packet < PACKETS; ++packet) {
+        if (splat.map.basis == COSINE) {
             splat_packet<COSINE>(list, column, row, packet);
         } else {
             splat_packet<FOURIER>(list, column, row, packet);

@@ -12,9 +12,10 @@
 
 // On a chord at the share q of R from the middle, of the optical depth through the middle: with inside = 1 - q^2, the
 // length of the chord goes as its root, and the density at the chord's middle as itself.
+// Nothing where it is 0.
 float puff_column(float inside)
 {
-  return inside * sqrt(max(inside, 0.0f));
+  return inside * inside * inversesqrt(max(inside, 1e-12f));
 }
 
 // Along a chord the density goes as 1 - u^2, with u from -1 to 1. The share of the chord's optical depth before u:

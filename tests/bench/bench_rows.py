@@ -96,3 +96,14 @@ class RampRow(Row):
 
     step: float | None  # voxels
     samples: float | None  # of the smoke, a voxel
+
+
+class ParticleRow(Row):
+    """Light maps of particles, or whole pictures of them. `bytes` are the map's, or the peak of the process above that
+    without particles."""
+
+    coefficients: int | None
+    texels: int  # along the map's longer edge, about
+    map_seconds: float | None
+    scene_seconds: float | None  # of a picture of 1680x1050 with that map, or of the row's own
+    small_scene_seconds: float | None  # of 1280x800
