@@ -14,6 +14,13 @@ struct Behind {
 
 } // namespace
 
+void keep_smoke(Layers &layers) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        std::copy(std::begin(layers.smoke[c]), std::end(layers.smoke[c]), std::begin(layers.passes->smoke[c]));
+        std::copy(std::begin(layers.through[c]), std::end(layers.through[c]), std::begin(layers.passes->left[c]));
+    }
+}
+
 void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers) {
     const bool smoky = (wanted.has(Layer::SMOKE) && !view.seen_media.empty()) || merges(view, wanted);
     const bool overlay = wanted.overlay();
@@ -22,6 +29,9 @@ void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers
             std::fill(std::begin(layers.smoke[c]), std::end(layers.smoke[c]), 0.0F);
             std::fill(std::begin(layers.through[c]), std::end(layers.through[c]), 1.0F);
         }
+    }
+    if (wanted.has(Layer::SMOKE_ALONE) && !merges(view, wanted)) {
+        keep_smoke(layers);
     }
     for (int lane = 0; lane < lanes; ++lane) {
         float left = 0.0F, through = 0.0F, sent = 0.0F;

@@ -114,6 +114,8 @@ struct PassLayers {
     alignas(64) float past_smoke[3][MAX_LANES]; // the same in the smoke's shadow
     alignas(64) float shadowed[3][MAX_LANES];   // the light that is reflected, in all shadows
     alignas(64) float unshadowed[3][MAX_LANES]; // were there no shadows at all
+    alignas(64) float smoke[3][MAX_LANES];      // before the surface, without fragments; and what it leaves
+    alignas(64) float left[3][MAX_LANES];
 };
 
 // What becomes of a packet. Each stage writes its own.
@@ -148,6 +150,9 @@ struct FrameKernels {
 };
 
 const FrameKernels &frame_kernels(const InstructionSet &with = instruction_set());
+
+// For the image of the smoke alone, what a march or a merge has written.
+void keep_smoke(Layers &layers);
 
 // Of `lanes` lanes; of a frame without smoke the march's layers are not read.
 void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers);

@@ -39,8 +39,8 @@ constexpr std::array KINDS = {
              [](const Layers &layers, std::size_t lane, float *values) {
                  float through = 0.0F;
                  for (std::size_t c = 0; c < 3; ++c) {
-                     values[c] = layers.smoke[c][lane];
-                     through += layers.through[c][lane];
+                     values[c] = layers.passes->smoke[c][lane];
+                     through += layers.passes->left[c][lane];
                  }
                  values[3] = 1.0F - through * (1.0F / 3.0F);
              }},

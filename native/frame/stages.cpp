@@ -4,6 +4,8 @@
 #include "maps/splat.hpp"
 #include "scene/scene.hpp"
 
+#include <utility>
+
 namespace sfumato {
 namespace {
 
@@ -46,6 +48,17 @@ LightMapSettings map_settings(const FrameSettings &settings) {
     map.curved = settings.curved;
     map.shared = settings.shared_ranges;
     return map;
+}
+
+// Of an image of the smoke alone, fragments are left out: those are hair and sheets.
+void merge(const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet &packet, Layers &layers) {
+    if (wanted.has(Layer::SMOKE_ALONE)) {
+        auto fragments = std::exchange(layers.events->fragments, {});
+        frame_kernels(with).merge(view, packet, layers);
+        keep_smoke(layers);
+        layers.events->fragments = std::move(fragments);
+    }
+    frame_kernels(with).merge(view, packet, layers);
 }
 
 constexpr std::array PARTS = {
@@ -110,9 +123,7 @@ constexpr std::array RAYS = {
         [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.seen_media.empty(); },
         [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
            Layers &layers) { frame_kernels(with).march(view, packet, layers); }},
-    RayStage{"merge", [](const FrameView &view, LayerSet wanted) { return merges(view, wanted); },
-             [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
-                Layers &layers) { frame_kernels(with).merge(view, packet, layers); }},
+    RayStage{"merge", [](const FrameView &view, LayerSet wanted) { return merges(view, wanted); }, merge},
     RayStage{"composite", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },
              [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet & /*packet*/,
                 Layers &layers) { composite(view, wanted, with.lanes, layers); }},

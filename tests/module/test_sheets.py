@@ -247,6 +247,23 @@ def test_passes_tell_of_the_first_that_is_opaque_enough() -> None:
     assert passes(least_alpha=0.9)["object_index"] == 0
 
 
+def test_the_smoke_alone_is_without_them() -> None:
+    def smoke_pass(card: bool) -> NDArray[np.float64]:
+        scene = Scene()
+        if card:
+            add(scene, 1.0, (0.5, 0.6, 0.7), (1.0, 2.0, 3.0))
+        add_floor(scene, (1.0, 1.0, 1.0))
+        slab = np.diag([0.5, 0.5, 0.125, 1.0])
+        slab[:3, 3] = -4.0, -4.0, 0.0
+        scene.add_medium(np.ones((16, 16, 16)), slab, scattering=(0.2, 0.2, 0.2), absorption=(0.1, 0.2, 0.3))
+        scene.add_sun((0.0, 1.0, 0.0), (3.0, 3.0, 3.0))  # the sheet throws no shadow
+        return np.asarray(Frame(scene).passes(camera(), 8, 8, ["smoke"])["smoke"], np.float64)
+
+    plain = smoke_pass(False)
+    assert plain.min() > 0.005
+    np.testing.assert_allclose(smoke_pass(True), plain, rtol=1e-4)
+
+
 def test_surfaces_alone_have_their_sheets() -> None:
     scene = Scene()
     add(scene, 1.0, (0.2, 0.5, 0.8), (1.0, 2.0, 3.0))

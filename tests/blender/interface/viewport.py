@@ -347,4 +347,23 @@ def test_rendered_view_holds_out_and_catches_before_a_transparent_film() -> Iter
     assert_same("plume on a plate", shown, cpu)
 
 
+def test_rendered_view_has_what_lies_behind_a_transparent_ball() -> Iterator[float | None]:
+    """Sheets lie between smoke and smoke, so here, too, the processor makes the whole picture."""
+    _space, _smoke = plume("RENDERED")
+    settings = bpy.context.scene
+    settings.render.engine = "SFUMATO"
+    ball = settings.objects["Ball"].data
+    ball.materials.clear()
+    harness.shade(ball, "ShaderNodeBsdfPrincipled").inputs["Alpha"].default_value = 0.4
+    with screen.watched() as seen:
+        yield from screen.drawn(seen)
+        shown = seen[-1][0]
+    quality = props.QUALITIES[settings.sfumato.quality]
+    frame = sfumato.Frame(scene.export(bpy.context.evaluated_depsgraph_get()).scene, **quality.frame)
+    height, width = shown.shape[:2]
+    cpu = frame.render(sfumato.Camera(screen.view_matrix()), width, height, edge_samples=quality.edge_samples)
+    assert not frame.opaque and "sheets" in frame.stages, frame.stages
+    assert_same("plume and a transparent ball", shown, cpu)
+
+
 harness.main()
