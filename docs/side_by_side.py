@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """docs/side_by_side.png, the plume by Cycles in five times the time, by Sfumato, and by Cycles in 300 times the time; and
-docs/gallery.png, the gallery by Sfumato and by Cycles.
+docs/gallery.png and docs/glass.png, the samples of these names by Sfumato and by Cycles.
 
 PATH=/usr/bin:$PATH blender -b blend_samples/plume.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/gallery.blend --addons sfumato --python docs/side_by_side.py
+PATH=/usr/bin:$PATH blender -b blend_samples/glass.blend --addons sfumato --python docs/side_by_side.py
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ DOCS = Path(__file__).resolve().parent
 SAMPLES = {
     "plume": ((slice(0, 345), slice(60, 480)), (("CYCLES", 1), ("SFUMATO", 1), ("CYCLES", 64)), "side_by_side.png"),
     "gallery": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "gallery.png"),
+    "glass": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "glass.png"),
 }
 
 
