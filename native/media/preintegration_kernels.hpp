@@ -21,7 +21,7 @@ struct SlabView {
 
 // What a ray meets in a slab.
 struct SlabSent {
-    double forwards[4];  // radiance, RGB, seen from the lower value's side; and 1
+    double forwards[4];  // radiance, RGB, seen from the lower value's side; and opacity
     double backwards[4]; // from the higher one's
     double behind = 1.0; // transmittance
 };
