@@ -114,6 +114,13 @@ def sample_place() -> float:
     return 0.0 if bpy.app.version >= (5, 0, 0) else 0.5
 
 
+def voxels_emit() -> bool:
+    """Whether Cycles takes what is between two voxels for a mixture of what they emit, as from 5.0 on, where it looks up
+    one of them at random; and not for what the mixture of their values emits, which is less. fire.py: a black body's fire
+    gives 1.17 times the light in 5.0.1 that it gives in 4.5.15."""
+    return bpy.app.version >= (5, 0, 0)
+
+
 def size_factor(light: Any, area: float = 0.0) -> float:
     """What Cycles multiplies a light by where 'Normalize' is off, as it can be from 4.5 on: the area over which it would
     else spread its strength. `area` is that of an area light, scaled; those of points and suns know no scale."""

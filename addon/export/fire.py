@@ -27,9 +27,11 @@ class Fire:
 _FAINT = 1e-3
 
 
-def fire_of(values: NDArray[np.float32], emitter: Emitter, filled: NDArray[np.bool_]) -> Fire | None:
+def fire_of(
+    values: NDArray[np.float32], emitter: Emitter, filled: NDArray[np.bool_], mixed: bool = False
+) -> Fire | None:
     """What a grid of values emits; where they are 0 and that emits something, in the cells that are `filled`. None where
-    nothing does."""
+    nothing does. Between cells the values are mixed, or what they emit."""
     top = max(float(values.max()), 0.0)
     shares = np.linspace(0.0, 1.0, ROWS)
     if not emitter.of(np.zeros(1)).any() or not filled.any():
@@ -38,6 +40,8 @@ def fire_of(values: NDArray[np.float32], emitter: Emitter, filled: NDArray[np.bo
         if not emission.any():
             return None
         glow = np.maximum(values, 0.0, dtype=np.float32) / np.float32(top)
+        if mixed:
+            glow, emission = _by_power(glow, emitter, top)
         glow[glow < _FAINT] = 0.0
         return Fire(np.minimum(glow, np.float32(1.0)), emission)
     # The first half of the rows leads from the outside, which is black, to the value 0.
@@ -48,12 +52,28 @@ def fire_of(values: NDArray[np.float32], emitter: Emitter, filled: NDArray[np.bo
     return Fire(np.where(filled, inside, 0.0).astype(np.float32), emission)
 
 
+def _by_power(shares: NDArray[np.float32], emitter: Emitter, top: float) -> tuple[NDArray[np.float32], Array]:
+    """A glow that is linear in the sum of what is emitted, of shares of the highest value, and its emission. The colour
+    between two cells is that of one value, not of a mixture."""
+    finely = np.linspace(0.0, 1.0, 4096)
+    power = emitter.of(finely * top).sum(axis=1)
+    power[0] = 0.0
+    power = np.maximum.accumulate(power) / power.max()
+    rows = np.linspace(0.0, 1.0, ROWS)
+    emission = emitter.of(np.interp(rows, power, finely) * top)
+    wanted = rows * emission[-1].sum()
+    emission *= (wanted / np.maximum(emission.sum(axis=1), 1e-30))[:, None]
+    emission[0] = 0.0
+    return np.interp(shares, finely, power).astype(np.float32), emission
+
+
 BLOCK = 8
 
 
 def in_blocks(active: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """The cells that Cycles' mesh of a volume encloses: all of each block of 8^3 that has an active cell or the neighbour
-    of one, of a grid whose blocks are whole and whose outermost cells are none. There what asks no grid glows."""
+    of one, of a grid whose blocks are whole and whose outermost cells are none. There what asks no grid glows. Seen: 3.4.1, 4.5.15; 5.0.1 fills more, 9 % of the light of
+    blend_samples/fire.blend."""
     near = active.copy()
     for axis in range(3):
         for away in (-1, 1):

@@ -116,7 +116,7 @@ def _fire(
     filled = np.zeros(0, np.bool_)
     if emitter.of(np.zeros(1)).any():
         values, filled = _enclosed(values, grids)
-    burning = fire.fire_of(values.cells, emitter, filled)
+    burning = fire.fire_of(values.cells, emitter, filled, compat.voxels_emit())
     if burning is None:
         return None
     glow, rows = burning.glow, burning.emission
