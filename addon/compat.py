@@ -118,7 +118,7 @@ def voxels_emit() -> bool:
     """Whether Cycles takes what is between two voxels for a mixture of what they emit, as from 5.0 on, where it looks up
     one of them at random; and not for what the mixture of their values emits, which is less. fire.py: a black body's fire
     gives 1.17 times the light in 5.0.1 that it gives in 4.5.15."""
-    return bpy.app.version >= (5, 0, 0)
+    return bool(bpy.app.version >= (5, 0, 0))
 
 
 def size_factor(light: Any, area: float = 0.0) -> float:

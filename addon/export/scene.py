@@ -339,7 +339,7 @@ def add_flames(scene: Any, media: list[smoke.Medium], reach: Reach | None) -> in
     """The light of what burns. Returns how many lights that is."""
     flames = [flame for medium in media for flame in medium.flames] if reach is not None else []
     for flame in flames:
-        scene.add_point(flame.position, flame.intensity, radius=flame.radius, reach=visibility.native(reach))
+        scene.add_point(flame.position, flame.intensity, radius=flame.radius, reach=visibility.native(reach), part=True)
     return len(flames)
 
 

@@ -36,6 +36,7 @@ struct LightView : Light {
     [[nodiscard]] bool parallel() const { return kind == Kind::SUN; }
     // Whether it is a face of a mesh that glows: what such a mesh throws, each of its faces blurs for the others.
     [[nodiscard]] bool of_mesh() const { return kind == Kind::POLYGON; }
+    [[nodiscard]] bool of_many() const { return of_mesh() || part; }
 };
 
 // What a kernel has to know of a light, without its samples and maps. `cell` is the size of the smallest cell of any

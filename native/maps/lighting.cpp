@@ -69,11 +69,11 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, cons
         views_.back().solids = view_of(surfaces.hiding(light));
         views_.back().sheets = view_of(surfaces.dimming(light));
     }
-    const auto faces = std::count_if(views_.begin(), views_.end(), [](const LightView &v) { return v.of_mesh(); });
-    // The faces of a mesh that glows are parts of one light: what each of them throws is blurred by the others.
-    const int share = std::max(most_samples / std::max(static_cast<int>(faces), 1), std::min(most_samples, 4));
+    const auto many = std::count_if(views_.begin(), views_.end(), [](const LightView &v) { return v.of_many(); });
+    // The faces of a mesh that glows, or the parts of a fire, are one light: what each throws is blurred by the others.
+    const int share = std::max(most_samples / std::max(static_cast<int>(many), 1), std::min(most_samples, 4));
     for (const LightView &view : views_) {
-        samples_.push_back(light_samples(view, bodies_, view.of_mesh() ? share : most_samples));
+        samples_.push_back(light_samples(view, bodies_, view.of_many() ? share : most_samples));
     }
     for (std::size_t i = 0; i < views_.size(); ++i) {
         views_[i].samples = samples_[i];

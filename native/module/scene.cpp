@@ -244,7 +244,7 @@ void add_sun(ConsoleScene &scene, const Floats &direction, const Floats &irradia
 
 void add_point(ConsoleScene &scene, const Floats &position, const Floats &intensity, float radius,
                const Floats &direction, float cone, float blend, bool facing_disk, bool spot_cosine,
-               const py::object &across, const std::optional<Reach> &reach) {
+               const py::object &across, const std::optional<Reach> &reach, bool part) {
     Light light;
     light.reach = reach.value_or(Reach{});
     light.kind = Light::Kind::SPHERE;
@@ -258,6 +258,7 @@ void add_point(ConsoleScene &scene, const Floats &position, const Floats &intens
     light.cone = cone;
     light.blend = blend;
     light.facing_disk = facing_disk;
+    light.part = part;
     light.spot_cosine = spot_cosine;
     if (!across.is_none()) {
         const Floats axes(any_array(across, "across"));
@@ -434,13 +435,14 @@ faces it; angle, its angular diameter in radians; reach, what it reaches and wha
         .def("add_point", &add_point, py::arg("position"), py::arg("intensity"), py::arg("radius") = 0.0F,
              py::arg("direction") = std::array<float, 3>{0.0F, 0.0F, -1.0F}, py::arg("cone") = 6.2831853F,
              py::arg("blend") = 0.0F, py::arg("facing_disk") = false, py::arg("spot_cosine") = false,
-             py::arg("across") = py::none(), py::arg("reach") = py::none(),
+             py::arg("across") = py::none(), py::arg("reach") = py::none(), py::arg("part") = false,
              R"(Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
 cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in over the share
 blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere looks as large as a disk of
 its radius that faces the eye, and with spot_cosine a spot dims by the cosine to its axis, too.
 across (2, 3) are two axes that with the direction measure the cone, which is round where they are unit vectors across
-it, and narrower along longer ones.
+it, and narrower along longer ones. part says that it is one of several that stand for a fire: what they throw they blur
+for each other, so fewer points stand for it.
 
 >>> Scene().add_point((0, 0, 3), (10, 10, 10), radius=0.1, cone=0.8, blend=0.15)
 )")

@@ -422,13 +422,15 @@ class Scene:
         spot_cosine: bool = False,
         across: ArrayLike | None = None,
         reach: Reach | None = None,
+        part: bool = False,
     ) -> None:
         """Add a point light: position (3,); intensity (3,) in W/sr; radius, metres, that of a sphere; and where
         cone, a whole angle in radians, is less than 2 pi, a spot that shines along direction (3,) and fades in
         over the share blend, in [0, 1], of 1 - cos(cone / 2). Some renderers differ: with facing_disk the sphere
         looks as large as a disk of its radius that faces the eye, and with spot_cosine a spot dims by the cosine
         to its axis, too. across (2, 3) are two axes that with the direction measure the cone, which is round
-        where they are unit vectors across it, and narrower along longer ones.
+        where they are unit vectors across it, and narrower along longer ones. part says that it is one of several
+        that stand for a fire: what they throw they blur for each other, so fewer points stand for it.
         """
     def add_polygon(self, corners: ArrayLike, radiance: ArrayLike, reach: Reach | None = None) -> None:
         """Add a polygon that shines from both its sides, as a mesh that glows does: corners (3 to 64, 3), in turn;

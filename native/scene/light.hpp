@@ -39,6 +39,7 @@ struct Light {
     // that faces the eye, and a spot dims by the cosine to its axis, too.
     bool facing_disk = false;
     bool spot_cosine = false;
+    bool part = false;                  // of a sphere: of a fire, whose other parts blur what it throws
     float spread = 3.1415927F;          // of rectangles and ellipses: the whole angle that they shine into, radians
     std::array<glm::vec3, 4> corners{}; // of a polygon: flat, convex, in turn; of a triangle the last one twice
     Reach reach;
