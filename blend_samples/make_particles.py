@@ -23,7 +23,7 @@ import make  # noqa: E402 # the materials and settings that all samples share
 
 PUFFS, MILLION, HAIRS = 16_384, 1_000_000, 12_000
 HEIGHT = 3.0  # metres, of both plumes
-VIEW = Vector((1.4, -9.4, 4.6)), Vector((0.75, 0.0, 1.55))  # a camera, and what it looks at
+VIEW = Vector((1.4, -10.0, 5.8)), Vector((0.95, 0.0, 1.7))  # a camera, and what it looks at
 SUN = Vector((0.72, 0.02, -0.53))
 
 
