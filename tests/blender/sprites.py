@@ -24,9 +24,9 @@ def projection(perspective: bool) -> NDArray[np.float64]:
     return matrix
 
 
-def view_of(perspective: bool = True, solids: Any = None) -> View:
+def view_of(perspective: bool = True, solids: Any = None, size: tuple[int, int] = SIZE) -> View:
     eye = Matrix.Rotation(0.5, 4, "Z") @ Matrix.Rotation(1.2, 4, "X") @ Matrix.Translation((0.0, 0.0, 4.0))
-    return View(np.array(eye.inverted()), projection(perspective), SIZE, solids)
+    return View(np.array(eye.inverted()), projection(perspective), size, solids)
 
 
 def some_sprites(count: int, seed: int = 3, most: float = 0.3) -> Sprites:

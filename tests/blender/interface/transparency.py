@@ -27,6 +27,7 @@ from fragments import draws  # noqa: E402
 
 # Pictures of about one; half floats that a software rasteriser cuts are off by up to 1e-3 there, 5e-4 in the mean.
 TOLERANCE = 1e-3
+SMALL = (24, 16)  # for thousands of fragments a pixel
 COMPOSITE: dict[str, Callable[..., Any]] = {
     "nearest": sfumato.composite_nearest,
     "fourier": sfumato.composite_fourier,
@@ -143,7 +144,7 @@ def test_a_sheet_passes_through_a_sprite_without_a_pop() -> None:
 
 def test_half_floats_as_published() -> None:
     """Of few fragments they do; of many thin ones their sums stall."""
-    transparency, view = Transparency(), view_of()
+    transparency, view = Transparency(), view_of(size=SMALL)
     few = Fragments(some_sprites(30))
     error = rmse(*(read(transparency.composite(few, view, "fourier", half=half)) for half in (False, True)))
     count = 6000
@@ -228,7 +229,7 @@ def test_a_million_in_one_pixel_would_still_be_one_layer() -> None:
     """Opaque ones and thin ones, all at one place."""
     for alpha in (1.0, 0.001):
         fragments = Fragments(Sprites(np.zeros((5000, 3)), 1.0, alpha, (0.5, 0.25, 1.0)))
-        made = read(Transparency().composite(fragments, view_of()))
+        made = read(Transparency().composite(fragments, view_of(size=SMALL)))
         middle = made[np.argmax(made[:, 3])]
         assert np.abs(middle[:3] - middle[3] * np.array((0.5, 0.25, 1.0))).max() <= 2e-3 and middle[3] > 0.98, middle
 
