@@ -15,7 +15,6 @@ from .shader import shader_text
 
 # Variants of shaders/viewport/fragment.glsl
 LIT, SOLIDS = "LIT", "SOLIDS"
-OPAQUE = 1.0 - 2.0**-20  # as optical_depth_of() in shaders/rays/opacity.glsl
 SLICES = 4  # of a sprite among triangles
 CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
@@ -53,20 +52,20 @@ class Fragments:
             count = len(self.points)
             radius = arguments.one_each(sprites.radius, count, "radius")
             arguments.each_within(radius, 1e-30, 1e30, "radius")
-            tau = _optical_depth(sprites.alpha, count)
+            alpha = _opacity(sprites.alpha, count)
             own = np.arange(count).repeat(4 * self.slices)  # the sprite of each vertex
             place.append(np.column_stack((self.points, radius))[own])
             corners = np.tile(CORNERS, (count * self.slices, 1))
-            shape.append(np.column_stack((corners, tau[own], np.tile(np.arange(self.slices).repeat(4), count))))
+            shape.append(np.column_stack((corners, alpha[own], np.tile(np.arange(self.slices).repeat(4), count))))
             tint.append(_colours(sprites.colour, count)[own])
         quads = len(self.points) * self.slices
         first = (4 * np.arange(quads)[:, None] + np.array([0, 1, 2, 0, 2, 3])).reshape(-1, 3)
         if triangles is not None:
             corners = _points(triangles.corners, (-1, 3, 3), "corners")
             count = len(corners)
-            tau = _optical_depth(triangles.alpha, count)
+            alpha = _opacity(triangles.alpha, count)
             place.append(np.column_stack((corners.reshape(-1, 3), np.zeros(3 * count))))
-            shape.append(np.column_stack((np.zeros((3 * count, 2)), np.repeat(tau, 3), np.zeros(3 * count))))
+            shape.append(np.column_stack((np.zeros((3 * count, 2)), np.repeat(alpha, 3), np.zeros(3 * count))))
             tint.append(np.repeat(_colours(triangles.colour, count), 3, axis=0))
             first = np.concatenate((first, 4 * quads + np.arange(3 * count).reshape(-1, 3)))
         self._place = np.concatenate(place)
@@ -160,10 +159,10 @@ def _points(given: ArrayLike, shape: tuple[int, ...], name: str) -> Doubles:
     return array
 
 
-def _optical_depth(alpha: ArrayLike, count: int) -> Doubles:
+def _opacity(alpha: ArrayLike, count: int) -> Doubles:
     alphas = arguments.one_each(alpha, count, "alpha")
     arguments.each_within(alphas, 0.0, 1.0, "alpha")
-    return np.asarray(-np.log1p(-np.minimum(alphas, OPAQUE)))
+    return alphas
 
 
 def _colours(given: ArrayLike, count: int) -> Doubles:

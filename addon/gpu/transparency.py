@@ -25,7 +25,8 @@ MOST_TERMS = 12  # of the published series, two a colour target
 NO_DEPTH = 2.0  # behind all depths
 METHODS = ("nearest", "fourier", "weighted", "sorted")
 
-TEXT = ["rays/opacity.glsl", "rays/basis.glsl", "frame/oit.glsl"]
+TEXT = ["rays/opacity.glsl", "rays/basis.glsl", "frame/oit.glsl", "media/puff.glsl"]
+VERTEX = ["rays/opacity.glsl", "viewport/fragment_vertex.glsl"]
 
 
 @dataclass(frozen=True)
@@ -225,9 +226,7 @@ class _Drawing:
         key = (name, *variants, coefficients, self.fragments.slices)
         shader = self.shaders.get(
             key,
-            lambda: compile_shader(
-                name, declare_all, [*text, "viewport/fragment.glsl", *files], ["viewport/fragment_vertex.glsl"]
-            ),
+            lambda: compile_shader(name, declare_all, [*text, "viewport/fragment.glsl", *files], VERTEX),
         )
         buffer = gpu.types.GPUFrameBuffer(color_slots=list(written.values()), depth_slot=depth)
         with plain_state(), buffer.bind():

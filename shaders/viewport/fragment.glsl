@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fragment that is drawn here; what is nothing is discarded.
 //
-// Through a sprite, at the share q of its radius from the middle, runs (1 - q^2)^(3/2) of the column through the middle,
-// as in splat_fragment.glsl. Along the view its density falls as 1 - t^2, from t = -1 to 1. A sprite among triangles is cut
-// into slices, each of which stands in its own middle: a triangle that passes through it meets them one by one.
+// A sprite is a puff (puff.glsl). Among triangles it is cut into slices, each of which stands in its own middle: a triangle
+// that passes through it meets them one by one.
 //
 // Variants:
 //   SOLIDS  texture `solids` has the distance along the view of what is opaque, which cuts what stands in it
 //   LIT     what falls on sprites is looked up in a light map
-
-// Of a sprite's column, the share before t.
-float column_before(float t)
-{
-  return 0.25f * (2.0f + t * (3.0f - t * t));
-}
 
 struct Fragment {
   float z;
@@ -44,7 +37,7 @@ Fragment fragment_here()
   Fragment here;
   here.tau = matter.w;
   if (sprite) {
-    here.tau *= inside * sqrt(inside) * (column_before(end) - column_before(slice.y));
+    here.tau *= puff_column(inside) * (puff_before(end) - puff_before(slice.y));
   }
   if (here.tau <= 0.0f) {
     discard;

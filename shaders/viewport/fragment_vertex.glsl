@@ -2,7 +2,7 @@
 // Soft sprites, which face the camera, and triangles: both in one batch.
 //
 // Attributes: place, in the world, and the radius, or 0 for a triangle's corner; shape, a sprite's corner in [-1, 1]^2, the
-// optical depth through its middle, or that of the triangle, and the slice of the sprite, where it is cut into SLICES; tint,
+// opacity through its middle, or that of the triangle, and the slice of the sprite, where it is cut into SLICES; tint,
 // its radiance times opacity one.
 
 void main()
@@ -11,7 +11,7 @@ void main()
   seen.xy += place.w * shape.xy;
   gl_Position = view.projection * seen;
   spot = vec3(shape.xy, -seen.z);
-  matter = vec4(tint, shape.z);
+  matter = vec4(tint, optical_depth_of(shape.z));
   slice = vec3(place.w, 2.0f * shape.w / float(SLICES) - 1.0f, 2.0f * (shape.w + 1.0f) / float(SLICES) - 1.0f);
 #ifdef LIT
   // The rows of a rotation are its inverse's columns.
