@@ -41,7 +41,7 @@ class Added:
 def recorded() -> Iterator[list[Added]]:
     """What is added meanwhile, in the world's own space."""
     native = core.module().Scene
-    before, place = getattr(native, "add_particles", None), native.set_origin
+    before, place = native.add_particles, native.set_origin
     found: list[Added] = []
     origin = np.zeros(3)
 
@@ -53,8 +53,7 @@ def recorded() -> Iterator[list[Added]]:
         *arrays, anisotropy = rest
         radius, opacity, albedo, extinction = (np.array(values, dtype=np.float64) for values in arrays)
         found.append(Added(points + origin, radius, opacity, albedo, extinction, anisotropy, visibility))
-        if before:
-            before(scene, points, *rest, visibility=visibility)
+        before(scene, points, *rest, visibility=visibility)
 
     native.add_particles, native.set_origin = add, set_origin
     try:
