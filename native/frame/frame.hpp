@@ -57,7 +57,9 @@ public:
         return !content_.surfaces->sheets() && (content_.surfaces->opaque() || background_alpha_ == 1.0F);
     }
     // Whether anything else than grids may lie before an opaque surface, which takes sorting along each ray.
-    [[nodiscard]] bool sorted() const { return content_.surfaces->sheets(); }
+    [[nodiscard]] bool sorted() const {
+        return content_.surfaces->sheets() || (content_.puffs && content_.puffs->seen > 0);
+    }
     [[nodiscard]] bool grey() const { return content_.grey; }
     [[nodiscard]] const glm::dvec3 &origin() const { return origin_; }
     [[nodiscard]] double step_length() const { return step_length_; } // cells

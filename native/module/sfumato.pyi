@@ -105,9 +105,9 @@ class Frame:
     @property
     def stages(self) -> dict:
         """The stages that ran so far, in order, and the seconds that each took: of "solids", "smoke", "particles",
-        "lights", "light maps" and "light volumes", when the frame was made; of "surfaces", "slices" of particles,
-        "march", "merge" and "composite", in all pictures since, summed over the threads. What a scene does not
-        need is not there.
+        "lights", "light maps" and "light volumes", when the frame was made; of "surfaces", "sheets", "slices" of
+        particles, "march", "merge" and "composite", in all pictures since, summed over the threads. What a scene
+        does not need is not there.
         """
     @property
     def step_length(self) -> float:
