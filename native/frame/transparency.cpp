@@ -147,7 +147,7 @@ public:
             add_harmonics(sums, harmonics, fragment.tau, OitText().relative_depth(range, fragment.z));
         }
         const auto stored = [sum](double coefficient) {
-            const float a0 = static_cast<float>(2.0 * sum);
+            const auto a0 = static_cast<float>(2.0 * sum);
             return OitText().eight_bit_ratio(OitText().tail_level(static_cast<float>(coefficient), a0));
         };
         for (std::size_t k = 0; k < harmonics; ++k) {
