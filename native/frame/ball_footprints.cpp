@@ -43,6 +43,10 @@ void BallFootprints::span(const Axis &axis, const glm::dvec3 &from_eye, double d
     high = static_cast<float>((most - axis.begin) * axis.pixels);
 }
 
+float BallFootprints::begin(const glm::vec3 &middle, float radius) const {
+    return static_cast<float>(glm::dot(glm::dvec3(middle) - eye_, forward_) - double{radius});
+}
+
 Footprint BallFootprints::operator()(const glm::vec3 &middle, float radius) const {
     const glm::dvec3 from_eye = glm::dvec3(middle) - eye_;
     const double depth = glm::dot(from_eye, forward_), wide = double{radius} * (1.0 + 1e-5);

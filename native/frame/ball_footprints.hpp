@@ -17,6 +17,8 @@ public:
     BallFootprints(const Camera &camera, int width, int height);
 
     [[nodiscard]] Footprint operator()(const glm::vec3 &middle, float radius) const;
+    // Along the camera's axis, where a ball begins: along every ray this grows with the distance.
+    [[nodiscard]] float begin(const glm::vec3 &middle, float radius) const;
 
 private:
     // Across one axis of the picture: a unit vector, and where on it the picture begins, of how many pixels a metre: on

@@ -59,13 +59,19 @@ void Frame::see_particles(const Camera &camera, int width, int height, Views &vi
     prepared_->arena.execute([&] {
         const BallFootprints footprint(camera, width, height);
         std::vector<Footprint> footprints(puffs.seen);
+        views.puff_begins.resize(puffs.seen);
         oneapi::tbb::parallel_for(std::size_t{0}, puffs.seen, [&](std::size_t i) {
             footprints[i] = footprint(puffs.puffs[i].middle, puffs.puffs[i].radius);
+            views.puff_begins[i] = footprint.begin(puffs.puffs[i].middle, puffs.puffs[i].radius);
         });
-        views.puffs = Bins(footprints, {}, width, height);
+        views.puffs = Bins(footprints, views.puff_begins, width, height);
     });
     ParticlesView &view = views.frame.particles;
     view.bins = views.puffs.view();
+    view.begin = views.puff_begins.data();
+    for (std::size_t i = 0; i < puffs.seen; ++i) {
+        view.widest = std::max(view.widest, 2.0F * puffs.puffs[i].radius);
+    }
     view.width = static_cast<float>(width);
     view.height = static_cast<float>(height);
     view.puffs = puffs.puffs.data();

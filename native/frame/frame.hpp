@@ -71,6 +71,7 @@ private:
     struct Views {
         MediaViews media;
         Bins puffs;
+        std::vector<float> puff_begins;
         FrameView frame;
     };
     [[nodiscard]] Views views(const Camera &camera, int width, int height, LayerSet wanted, double step_length) const;

@@ -23,7 +23,8 @@ using CameraText = text::CameraText<Real, Isa>;
 using MediaText = text::MediaText<Real, Isa>;
 using Ray = CameraText::Ray;
 
-constexpr float OPAQUE_DEPTH = 9.0F; // what lies behind it adds less than 2e-4 of its radiance
+constexpr float HIDDEN_DEPTH = 12.5F; // what lies behind it, 4e-6
+constexpr float OPAQUE_DEPTH = 9.0F;  // what lies behind it adds less than 2e-4 of its radiance
 
 // Where rays are in a puff: between `middle` - `half` and `middle` + `half`, metres, cut by the eye and by surfaces.
 struct Chord {
@@ -154,12 +155,26 @@ void slice_particles(const FrameView &frame, const Packet &packet, Layers &out) 
     double radii = 0.0;
     std::vector<std::int32_t> &met = slices.met;
     met.clear();
+    // Once those that are met hide all that lies behind them, what begins behind the end of the last one is hidden.
+    Real passed = 0.0F;
+    float last = FAR;
+    const bool grey = COLOURS == 1; // else what takes one colour may leave another
     for_primitives(particles.bins, u * particles.width, v * particles.height, active, [&](std::int32_t number) {
-        const Chord chord = chord_of(particles.puffs[number], ray, reach);
+        const Puff &puff = particles.puffs[number];
+        if (particles.begin[number] > last) {
+            return false;
+        }
+        const Chord chord = chord_of(puff, ray, reach);
         const Mask here = chord.met & active;
         if (xsimd::any(here)) {
             met.push_back(number);
-            radii += double{particles.puffs[number].radius};
+            // Not what the eye is in.
+            const Mask whole = here & (chord.middle > chord.half);
+            passed = passed + pick(whole, puff.depth * MediaText().puff_column(max(chord.inside, 0.0F)), 0.0F);
+            if (grey && last == FAR && !xsimd::any(active & (passed < HIDDEN_DEPTH))) {
+                last = particles.begin[number] + particles.widest;
+            }
+            radii += double{puff.radius};
             near = pick(here, min(near, max(chord.middle - chord.half, 0.0F)), near);
             far = pick(here, max(far, min(chord.middle + chord.half, reach)), far);
         }
@@ -176,15 +191,20 @@ void slice_particles(const FrameView &frame, const Packet &packet, Layers &out) 
     pick(any, near, reach).store_aligned(slices.first);
     (stretch * (1.0F / static_cast<float>(slices.count))).store_aligned(slices.width);
     std::vector<float> &scattered = slices.scattered;
-    for (std::size_t first = 0, last = 0; first < met.size(); first = last) {
+    if (particles.bodies.size() > 1) {
+        std::stable_sort(met.begin(), met.end(), [&particles](std::int32_t a, std::int32_t b) {
+            return particles.puffs[a].body < particles.puffs[b].body;
+        });
+    }
+    for (std::size_t first = 0, end = 0; first < met.size(); first = end) {
         const auto number = static_cast<std::size_t>(particles.puffs[met[first]].body);
         const Puffs::Body &body = particles.bodies[number];
         scattered.assign(slices.sent.size(), 0.0F);
-        for (; last < met.size() && particles.puffs[met[last]].body == static_cast<std::int32_t>(number); ++last) {
-            const Puff &puff = particles.puffs[met[last]];
+        for (; end < met.size() && particles.puffs[met[end]].body == static_cast<std::int32_t>(number); ++end) {
+            const Puff &puff = particles.puffs[met[end]];
             Chord chord = chord_of(puff, ray, reach);
             chord.met = chord.met & active;
-            add_to_slices<COLOURS>(chord, puff, body.extinction, particles.albedo[met[last]], slices, scattered.data());
+            add_to_slices<COLOURS>(chord, puff, body.extinction, particles.albedo[met[end]], slices, scattered.data());
         }
         light_slices<COLOURS>(frame, body, number, ray, slices);
     }

@@ -12,7 +12,9 @@
 namespace sfumato {
 
 struct ParticlesView {
-    BinsView bins; // of a picture of so many pixels
+    BinsView bins; // of a picture of so many pixels, by where puffs begin along its axis
+    const float *begin = nullptr;
+    float widest = 0.0F; // of the puffs, their diameter
     float width = 0.0F, height = 0.0F;
     const Puff *puffs = nullptr; // those that the camera sees
     const glm::vec3 *albedo = nullptr;
