@@ -85,6 +85,21 @@ struct Fragment {
 // The part of the light left behind every fragment with depth <= d. Their order does not matter.
 double transmittance(std::span<const Fragment> fragments, double d);
 
+// ---- Hair (strand.cpp) ----
+
+// A dielectric cylinder: Chiang, Bitterli, Tappan and Burley, "A practical and controllable hair and fur model for
+// production path tracing", 2016.
+struct Strand {
+    glm::dvec3 absorption{0.0}; // optical depth of a radius
+    double longitudinal = 0.3, azimuthal = 0.3, primary = 0.3; // roughness, of the last that which is reflected at once
+    double tilt = 0.0;          // of the cuticle's scales, radians
+    double index = 1.55;
+};
+
+// What it sends to the eye where it is met at h in (-1, 1), of light of irradiance 1: elevations over the plane across
+// the strand, radians, and the angle around it from the eye to the light.
+glm::dvec3 sent(const Strand &strand, double h, double eye, double light, double around);
+
 // ---- Lights (reference_light.cpp) ----
 
 // A part of a light, as seen from a point.

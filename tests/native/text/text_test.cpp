@@ -8,6 +8,7 @@
 #include "text/media_text.hpp"
 #include "text/microfacets_text.hpp"
 #include "text/rays_text.hpp"
+#include "text/strands_text.hpp"
 #include "text/surfaces_text.hpp"
 
 #include <array>
@@ -23,6 +24,7 @@
     template struct MediaText<REAL, ISA>;                                                                              \
     template struct MicrofacetsText<REAL, ISA>;                                                                        \
     template struct RaysText<REAL, ISA>;                                                                               \
+    template struct StrandsText<REAL, ISA>;                                                                            \
     template struct SurfacesText<REAL, ISA>;
 
 namespace sfumato::text {
@@ -34,7 +36,20 @@ SFUMATO_ALL_MEMBERS(text_test::Real, text_test::Isa)
 namespace sfumato {
 namespace {
 
-constexpr int ANSWERS = 12, LANES = text_test::Isa::LANES;
+constexpr int ANSWERS = 13, LANES = text_test::Isa::LANES;
+
+template <class Real, class Isa>
+Real strand_sent(const std::array<Real, 6> &n) {
+    text::StrandsText<Real, Isa> strands;
+    typename text::StrandsText<Real, Isa>::Fibre fibre;
+    fibre.absorption = {n[0], n[1], n[2]};
+    fibre.primary = fibre.variance = strands.fibre_variance(n[3] * 0.5F + 0.1F);
+    fibre.scale = strands.fibre_scale(n[4] * 0.5F + 0.2F);
+    fibre.tilt = n[5] * 0.2F;
+    fibre.index = Real(1.55F);
+    const auto look = strands.strand_look(fibre, n[0] - 0.5F, n[1] - 1.0F, n[2]);
+    return strands.strand_sent(fibre, look, n[3] - 0.5F, n[4] * 3.0F).y + strands.matt_strand(look, n[5], n[1]);
+}
 
 // One answer from every room; the numbers are in [0, 1].
 template <class Real, class Isa>
@@ -62,7 +77,8 @@ std::array<Real, ANSWERS> answers(const std::array<Real, 6> &n) {
             integrals.diffuse_quad(zenith, middle - x - y, middle - x + y, middle + x + y, middle + x - y),
             integrals.diffuse_ellipse(zenith, middle, x, y),
             gloss.plain,
-            gloss.fresnel};
+            gloss.fresnel,
+            strand_sent<Real, Isa>(n)};
 }
 
 TEST(Text, MeansTheSameForEveryNumber) {
