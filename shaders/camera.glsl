@@ -46,3 +46,12 @@ Interval clip_to_box(Interval interval, vec3 origin, vec3 direction, vec3 size)
   interval = clip_to_slab(interval, origin.y, direction.y, size.y);
   return clip_to_slab(interval, origin.z, direction.z, size.z);
 }
+
+// The share of Blackman and Harris's filter (1978) up to a share t of its diameter.
+float filter_share(float t)
+{
+  float sine = sin(6.28318530717958648f * t), cosine = cos(6.28318530717958648f * t);
+  float sine2 = 2.0f * sine * cosine, sine3 = sine * (3.0f - 4.0f * sine * sine);
+  // Its coefficients over the first, .35875, and over a whole turn
+  return t - (0.216623741219f * sine - 0.0313385510244f * sine2 + 0.00172722855778f * sine3);
+}

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame/film.hpp"
 
+#include "text/camera_text.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,8 +13,6 @@
 namespace sfumato {
 namespace {
 
-constexpr double TURN = 2.0 * std::numbers::pi;
-
 // The integral of a filter from its left end, normalised to one, up to a share t of its diameter.
 double cumulative_weight(Filter::Shape shape, double t) {
     if (shape == Filter::Shape::BOX) {
@@ -21,9 +21,7 @@ double cumulative_weight(Filter::Shape shape, double t) {
     if (shape == Filter::Shape::GAUSSIAN) { // Cycles cuts it at six standard deviations
         return 0.5 + 0.5 * std::erf(6.0 * std::numbers::sqrt2 * (t - 0.5));
     }
-    constexpr double A0 = 0.35875, A1 = 0.48829, A2 = 0.14128, A3 = 0.01168;
-    return t - (A1 * std::sin(TURN * t) - A2 / 2.0 * std::sin(2.0 * TURN * t) + A3 / 3.0 * std::sin(3.0 * TURN * t)) /
-                   (TURN * A0);
+    return text::CameraText<double>().filter_share(t);
 }
 
 double radical_inverse(unsigned i) {

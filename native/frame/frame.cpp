@@ -31,7 +31,8 @@ Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<
     prepared_->end_round();
 }
 
-Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet wanted, double step_length) const {
+Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet wanted, double step_length,
+                          double reach) const {
     Views out;
     out.media = views_of(content_.media, step_length);
     FrameView &view = out.frame;
@@ -51,7 +52,19 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
     if (wanted.has(Layer::SMOKE) && content_.puffs && content_.puffs->seen > 0) {
         see_particles(camera, width, height, out);
     }
+    // In an overlay hair is the other picture's.
+    if (wanted.has(Layer::SMOKE) && wanted.has(Layer::RADIANCE) && !content_.strands.empty()) {
+        see_strands(camera, width, height, reach, out);
+    }
     return out;
+}
+
+void Frame::see_strands(const Camera &camera, int width, int height, double reach, Views &views) const {
+    prepared_->arena.execute([&] { views.strands = seen_strands(content_.strands, camera, width, height, reach); });
+    views.frame.strands = views.strands.view();
+    const std::size_t bodies = content_.lighting.bodies().size();
+    views.frame.strands.first_body = static_cast<std::int32_t>(bodies - std::min(bodies, content_.strands.size()));
+    views.frame.sorted = views.frame.sorted || !views.frame.strands.empty();
 }
 
 void Frame::see_particles(const Camera &camera, int width, int height, Views &views) const {
@@ -96,7 +109,7 @@ std::optional<std::vector<float>> Frame::render(const Camera &camera, int width,
 
 std::optional<Image> Frame::passes(const Camera &camera, int width, int height, LayerSet wanted, const Mist &mist,
                                    float least_alpha, const Film &film, const Progress &progress) const {
-    Views seen = views(camera, width, height, wanted, step_length_);
+    Views seen = views(camera, width, height, wanted, step_length_, film.filter.diameter() / 2.0);
     seen.frame.mist = mist;
     seen.frame.least_alpha = least_alpha;
     const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};

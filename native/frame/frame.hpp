@@ -5,6 +5,7 @@
 #include "frame/picture.hpp"
 #include "frame/prepared.hpp"
 #include "frame/stages.hpp"
+#include "media/strands.hpp"
 #include "text/dispatch.hpp"
 
 #include <memory>
@@ -58,7 +59,7 @@ public:
     }
     // Whether anything else than grids may lie before an opaque surface, which takes sorting along each ray.
     [[nodiscard]] bool sorted() const {
-        return content_.surfaces->sheets() || (content_.puffs && content_.puffs->seen > 0);
+        return content_.surfaces->sheets() || (content_.puffs && content_.puffs->seen > 0) || !content_.strands.empty();
     }
     [[nodiscard]] bool grey() const { return content_.grey; }
     [[nodiscard]] const glm::dvec3 &origin() const { return origin_; }
@@ -72,10 +73,14 @@ private:
         MediaViews media;
         Bins puffs;
         std::vector<float> puff_begins;
+        SeenStrands strands;
         FrameView frame;
     };
-    [[nodiscard]] Views views(const Camera &camera, int width, int height, LayerSet wanted, double step_length) const;
+    // `reach`: as far as a sample sees around itself, pixels.
+    [[nodiscard]] Views views(const Camera &camera, int width, int height, LayerSet wanted, double step_length,
+                              double reach = Filter().diameter() / 2.0) const;
     void see_particles(const Camera &camera, int width, int height, Views &views) const;
+    void see_strands(const Camera &camera, int width, int height, double reach, Views &views) const;
     [[nodiscard]] std::optional<Image> image(const Camera &camera, int width, int height, LayerSet wanted,
                                              int edge_samples, const Progress &progress) const;
 

@@ -7,6 +7,7 @@
 #include "lights/light.hpp"
 #include "media/medium_view.hpp"
 #include "media/particle_view.hpp"
+#include "media/strand_view.hpp"
 #include "solids/surface_view.hpp"
 #include "text/dispatch.hpp"
 
@@ -36,6 +37,7 @@ struct FrameView {
     bool sorted = false;                    // whether anything else than grids may lie before a surface
     std::span<const glm::vec3> extinctions; // of all bodies that have light maps
     bool grey = true;                       // all of these are: one march serves all colours
+    StrandsView strands;
     glm::vec3 background{0.0F};
     float background_alpha = 0.0F;
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most
@@ -98,6 +100,7 @@ struct Packet {
     alignas(64) float u[MAX_LANES], v[MAX_LANES];             // where on the image, in [0, 1]
     alignas(64) float light_u[MAX_LANES], light_v[MAX_LANES]; // where on every light, in [0, 1]^2
     alignas(64) float active[MAX_LANES];                      // 1, or 0 for lanes to spare
+    float reach = 1.5F; // of what a sample stands for around itself, pixels: of what is thinner than these
     // Shadows of solids are averaged over these, as they fall on the plane of the surface that the ray itself meets.
     // Where there are none, from the ray itself, and light_u and light_v.
     std::span<ShadowSample> shadows;
@@ -135,6 +138,7 @@ struct Layers {
     alignas(64) float picture[4][MAX_LANES]; // premultiplied RGBA; of a shadow or an overlay the alpha is `hit`
     alignas(64) float behind[3][MAX_LANES];  // of an overlay: the share left of what lies behind the smoke
     alignas(64) float seen[MAX_LANES];       // the share of `open` that smoke leaves: before the surface and on it
+    alignas(64) float fine[MAX_LANES];       // the share that is covered by what may be finer than pixels
     // Only where passes are asked for.
     PassLayers *passes = nullptr;
     // Only where a frame has what is sorted.
@@ -144,6 +148,7 @@ struct Layers {
 struct FrameKernels {
     void (*surfaces)(const FrameView &, LayerSet, const Packet &, Layers &);
     void (*sheets)(const FrameView &, LayerSet, const Packet &, Layers &);
+    void (*strands)(const FrameView &, const Packet &, Layers &);
     void (*particles)(const FrameView &, const Packet &, Layers &);
     void (*march)(const FrameView &, const Packet &, Layers &);
     void (*merge)(const FrameView &, const Packet &, Layers &);

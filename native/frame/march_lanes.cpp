@@ -150,12 +150,13 @@ void march_in(const FrameView &frame, const Packet &packet, Layers &out) {
 void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &out); // surfaces_lanes.cpp
 void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &out);   // sheets_lanes.cpp
 void trace_particles(const FrameView &frame, const Packet &packet, Layers &out);                 // particles_lanes.cpp
+void trace_strands(const FrameView &frame, const Packet &packet, Layers &out);                   // strands_lanes.cpp
 void merge(const FrameView &frame, const Packet &packet, Layers &out);                           // merge_lanes.cpp
 
 void march(const FrameView &frame, const Packet &packet, Layers &out) {
     frame.grey ? march_in<1>(frame, packet, out) : march_in<3>(frame, packet, out);
 }
 
-extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_particles, march, merge};
+extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_strands, trace_particles, march, merge};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -22,7 +22,8 @@ int film_turn(int x, int y) {
 
 // The first look: every pixel once, through its centre, and either through the middles of the lights or spread over
 // them.
-void trace_row(const Tracer &tracer, bool spread, Image &image, int y) {
+void trace_row(const Tracer &tracer, const Film &film, Image &image, int y) {
+    const bool spread = film.edge_samples > 1;
     const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
     const auto fill = [&](Packet &packet, std::size_t lane, std::size_t x) {
         const FilmSample look = spread ? first_look(static_cast<int>(x), y) : FilmSample{0.0F, 0.0F, 0.5F, 0.5F};
@@ -30,6 +31,7 @@ void trace_row(const Tracer &tracer, bool spread, Image &image, int y) {
         packet.v[lane] = (static_cast<float>(y) + 0.5F) / height;
         packet.light_u[lane] = look.light_u;
         packet.light_v[lane] = look.light_v;
+        packet.reach = static_cast<float>(film.filter.diameter() / 2.0);
     };
     tracer.trace(static_cast<std::size_t>(image.width), fill,
                  [&](const Layers &layers, std::size_t lane, std::size_t x) {
@@ -41,11 +43,14 @@ void trace_row(const Tracer &tracer, bool spread, Image &image, int y) {
                      image.unshadowed[pixel] = layers.unshadowed[lane];
                      image.seen[pixel] = layers.seen[lane];
                      image.distance[pixel] = layers.distance[lane];
+                     if (!image.fine.empty()) {
+                         image.fine[pixel] = layers.fine[lane];
+                     }
                  });
 }
 
 // What of a pixel one sample cannot tell.
-enum class Unsure : std::uint8_t { NOTHING, SHADOWS, ALL };
+enum class Unsure : std::uint8_t { NOTHING, SHADOWS, ALL, FINE }; // fine: it holds what is finer than pixels
 
 // Whether what a compositor is given of surfaces themselves changes between two opposite neighbours.
 bool passes_bend(const Image &image, std::size_t before, std::size_t centre, std::size_t after) {
@@ -65,12 +70,22 @@ bool passes_bend(const Image &image, std::size_t before, std::size_t centre, std
     });
 }
 
+bool picture_bends(const Image &image, std::size_t before, std::size_t centre, std::size_t after) {
+    constexpr float CONTRAST = 0.03F;
+    const auto mean = [&image](std::size_t pixel) {
+        const float *const rgba = image.rgba.data() + 4 * pixel;
+        return (rgba[0] + rgba[1] + rgba[2]) * (1.0F / 3.0F);
+    };
+    const float bend = std::abs(mean(before) + mean(after) - 2.0F * mean(centre));
+    return bend > CONTRAST * (mean(centre) + bend);
+}
+
 // Whether surfaces or their shadows change around a pixel by more than one sample can tell. Filtering leaves a linear
 // ramp as it is, so what counts is how far a pixel is from the middle between two opposite neighbours: of that, what
 // shows through the smoke. Where without the shadows of solids nothing would change, and the surface is the same, only
 // they are looked at again.
 Unsure unsure_of(const Image &image, int x, int y) {
-    constexpr float CONTRAST = 0.03F, STEP = 0.02F;
+    constexpr float CONTRAST = 0.03F, STEP = 0.02F, LEAST_FINE = 0.005F;
     const auto at = [&image](int i, int j) {
         return image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1));
     };
@@ -80,6 +95,8 @@ Unsure unsure_of(const Image &image, int x, int y) {
     // A share in shadow leaves the rest; what a catcher shows is all in its alpha.
     const float brightness =
         image.wanted.shadow() ? 1.0F - mean : std::max(mean, image.surfaces[centre] * image.seen[centre]);
+    const bool holds_fine = !image.fine.empty();
+    bool fine = false;
     constexpr std::array<std::array<int, 2>, 4> WAYS = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
     Unsure found = Unsure::NOTHING;
     for (const auto &[dx, dy] : WAYS) {
@@ -96,19 +113,25 @@ Unsure unsure_of(const Image &image, int x, int y) {
         const bool edge = change > CONTRAST * (brightness + change);
         const bool shadow = unshadowed <= CONTRAST * (image.unshadowed[centre] + unshadowed) &&
                             bend(image.distance) <= STEP * image.distance[centre];
+        // What is finer than pixels throws shadows that are.
+        fine = fine ||
+               (holds_fine && (std::max({image.fine[before], image.fine[centre], image.fine[after]}) > LEAST_FINE ||
+                               picture_bends(image, before, centre, after)));
         if (rim || (edge && !shadow) || passes_bend(image, before, centre, after)) {
-            return Unsure::ALL;
+            found = Unsure::ALL;
         }
-        found = edge ? Unsure::SHADOWS : found;
+        found = edge ? std::max(found, Unsure::SHADOWS) : found;
     }
-    return found;
+    return fine ? Unsure::FINE : found;
 }
 
 using Patterns = std::vector<std::vector<FilmSample>>; // of each turn
 
 // Samples some pixels of a row: of each its own pattern, in as few packets as hold them all.
-void refine_pixels(const Tracer &tracer, const Patterns &patterns, Image &image, std::span<const int> columns, int y) {
+void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patterns, Image &image,
+                   std::span<const int> columns, int y) {
     const std::size_t count = patterns.front().size(), sums = image.sums();
+    const auto reach = static_cast<float>(film.filter.diameter() / (2.0 * std::sqrt(static_cast<double>(count))));
     std::vector<double> sum(columns.size() * sums);
     const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
         const int x = columns[number / count];
@@ -117,6 +140,7 @@ void refine_pixels(const Tracer &tracer, const Patterns &patterns, Image &image,
         packet.v[lane] = (static_cast<float>(y) + 0.5F + s.y) / static_cast<float>(image.height);
         packet.light_u[lane] = s.light_u;
         packet.light_v[lane] = s.light_v;
+        packet.reach = reach;
     };
     tracer.trace(columns.size() * count, fill, [&](const Layers &layers, std::size_t lane, std::size_t number) {
         Image::Sample values{};
@@ -202,11 +226,14 @@ void spread_unsure(const Image &image, int reach, std::vector<Unsure> &unsure) {
 
 // Samples the pixels in which surfaces or their shadows change. False if progress said stop.
 bool refine(const Tracer &tracer, const Film &film, const Progress &progress, Image &image) {
-    Patterns patterns;
-    patterns.reserve(FILM_TURNS);
-    for (int turn = 0; turn < FILM_TURNS; ++turn) {
-        patterns.push_back(film_samples(film.edge_samples, turn, film.filter));
-    }
+    const auto patterns_of = [&film](int count) {
+        Patterns patterns;
+        for (int turn = 0; turn < FILM_TURNS; ++turn) {
+            patterns.push_back(film_samples(count, turn, film.filter));
+        }
+        return patterns;
+    };
+    const Patterns patterns = patterns_of(film.edge_samples), finer = patterns_of(2 * film.edge_samples);
     // Which pixels are edges is settled before any of them changes.
     std::vector<Unsure> unsure(image.distance.size());
     oneapi::tbb::parallel_for(0, image.height, [&](int y) {
@@ -229,15 +256,18 @@ bool refine(const Tracer &tracer, const Film &film, const Progress &progress, Im
         return false;
     };
     return in_chunks(image, 0.5, 0.5, progress, [&](int y) {
-        std::vector<int> edges, shadows;
+        std::vector<int> edges, shadows, fine;
         for (int x = 0; x < image.width; ++x) {
-            if (unsure[image.at(x, y)] == Unsure::ALL) {
+            if (unsure[image.at(x, y)] == Unsure::FINE) {
+                fine.push_back(x);
+            } else if (unsure[image.at(x, y)] == Unsure::ALL) {
                 edges.push_back(x);
             } else if (beside_shadow(x, y)) {
                 shadows.push_back(x);
             }
         }
-        refine_pixels(tracer, patterns, image, edges, y);
+        refine_pixels(tracer, film, patterns, image, edges, y);
+        refine_pixels(tracer, film, finer, image, fine, y);
         refine_shadows(tracer, patterns, image, shadows, y);
     });
 }
@@ -246,8 +276,11 @@ bool refine(const Tracer &tracer, const Film &film, const Progress &progress, Im
 
 std::optional<Image> traced(const Tracer &tracer, int width, int height, const Film &film, const Progress &progress) {
     Image image(tracer.wanted, width, height);
+    if (tracer.wanted.has(Layer::RADIANCE) && !tracer.view.strands.empty()) {
+        image.fine.resize(image.distance.size());
+    }
     const bool closer = film.edge_samples > 1;
-    if (!in_chunks(image, 0.0, closer ? 0.5 : 1.0, progress, [&](int y) { trace_row(tracer, closer, image, y); }) ||
+    if (!in_chunks(image, 0.0, closer ? 0.5 : 1.0, progress, [&](int y) { trace_row(tracer, film, image, y); }) ||
         (closer && !refine(tracer, film, progress, image))) {
         return std::nullopt;
     }

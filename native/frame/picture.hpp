@@ -26,6 +26,7 @@ struct Image {
     std::vector<float> unshadowed; // and the others of Layers
     std::vector<float> seen;
     std::vector<float> distance;   // at the pixel's centre
+    std::vector<float> fine;       // none where nothing may be finer than pixels
     std::vector<PassImage> passes; // those of `wanted`
 
     Image(LayerSet what, int w, int h)

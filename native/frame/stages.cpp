@@ -39,6 +39,9 @@ std::vector<Body> bodies_of(const Content &content) {
     for (std::size_t i = 0; content.puffs && i < content.puffs->bodies.size(); ++i) {
         bodies.push_back(body_of(content.puffs, i));
     }
+    for (const Strands &strands : content.strands) {
+        bodies.push_back(body_of(strands));
+    }
     return bodies;
 }
 
@@ -62,6 +65,17 @@ void merge(const InstructionSet &with, const FrameView &view, LayerSet wanted, c
 }
 
 constexpr std::array PARTS = {
+    PartStage{"hair", [](const Scene &scene, const Content & /*content*/) { return !scene.strands.empty(); },
+              [](const Making &making, Content &content) {
+                  // Where no strand has two keys nothing is shown.
+                  const auto any = [](const Strands &strands) {
+                      const std::vector<std::uint32_t> &first = strands.shape->first;
+                      return std::adjacent_find(first.begin(), first.end(), [](std::uint32_t a, std::uint32_t b) {
+                                 return b - a > 1;
+                             }) != first.end();
+                  };
+                  std::ranges::copy_if(making.scene.strands, std::back_inserter(content.strands), any);
+              }},
     PartStage{"solids", [](const Scene & /*scene*/, const Content & /*content*/) { return true; },
               [](const Making &making, Content &content) {
                   content.surfaces.emplace(making.scene.meshes, making.scene.lights, making.prepared.solids);
@@ -112,6 +126,12 @@ constexpr std::array RAYS = {
              },
              [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet &packet,
                 Layers &layers) { frame_kernels(with).sheets(view, wanted, packet, layers); }},
+    RayStage{"strands",
+             [](const FrameView &view, LayerSet wanted) {
+                 return wanted.has(Layer::RADIANCE) && wanted.has(Layer::SMOKE) && !view.strands.empty();
+             },
+             [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
+                Layers &layers) { frame_kernels(with).strands(view, packet, layers); }},
     RayStage{"slices",
              [](const FrameView &view, LayerSet wanted) {
                  return wanted.has(Layer::SMOKE) && view.particles.puffs != nullptr;

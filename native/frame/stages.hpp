@@ -8,6 +8,7 @@
 #include "maps/lighting.hpp"
 #include "media/medium.hpp"
 #include "media/particles.hpp"
+#include "scene/scene.hpp"
 #include "solids/surfaces.hpp"
 #include "text/dispatch.hpp"
 
@@ -24,8 +25,6 @@
 
 namespace sfumato {
 
-struct Scene;
-
 struct FrameSettings {
     int coefficients = 15;        // of the light maps, over each ray's own range; the paper's maps have 7 over all
     double texels_per_cell = 1.0; // resolution of the light map against the medium's grid
@@ -39,6 +38,7 @@ struct FrameSettings {
 // Of a frame, what does not depend on the camera.
 struct Content {
     std::optional<Surfaces> surfaces;
+    std::vector<Strands> strands;
     std::vector<CroppedMedium> media;   // those that are not empty
     std::size_t seen_media = 0;         // those that the camera sees come first
     std::shared_ptr<const Puffs> puffs; // null where there are none

@@ -106,6 +106,7 @@ LightMapView LightMap::view(const SolidDepths *solids, const SheetDepths *sheets
     }
     view.basis = series.name;
     view.shared = shared;
+    view.sharp = sharp;
     view.tables = {static_cast<int>(series.tables.cells), series.tables.g.data()};
     view.curves = curves.empty() ? nullptr : curves.data();
     view.colours = colours;

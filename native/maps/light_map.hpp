@@ -25,8 +25,10 @@ struct SheetDepths; // maps/sheet_depths.hpp
 struct LightMap {
     Series series{COSINE, 15, {}}; // a learned basis has its tables once it is projected
     bool shared = false;           // whether one range of depth serves all rays
-    bool curved = false;           // whether a texel has resolved curves in the place of the series
-    double blur = 0.0;             // standard deviation of the filter that stands for the light's extent, texels
+    // Whether neighbouring rays may meet so different things that what they let through has to be filtered in look-ups.
+    bool sharp = false;
+    bool curved = false; // whether a texel has resolved curves in the place of the series
+    double blur = 0.0;   // standard deviation of the filter that stands for the light's extent, texels
     glm::ivec2 size{0};
     bool radial = false;
     glm::dmat4 world_to_light{1.0};   // see LightMapView

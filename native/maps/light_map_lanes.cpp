@@ -18,6 +18,9 @@ void light_box(const LightBox &box); // light_box_lanes.cpp
 // splat_lanes.cpp
 void splat_puffs(const Splat<SplatPuff> &splat, int column, int row);
 void meet_puffs(const Splat<SplatPuff> &splat, int column, int row, int packet, SplatAbsorbers &out);
+// splat_strands_lanes.cpp
+void splat_strands(const Splat<SplatStrand> &splat, int column, int row);
+void meet_strands(const Splat<SplatStrand> &splat, int column, int row, int packet, SplatAbsorbers &out);
 
 namespace {
 
@@ -222,6 +225,7 @@ void look_up(const LightMapView &map, const float *points, float *columns, int c
     }
 }
 
-extern const MapKernels map_kernels{project_row, march_row, look_up, light_box, splat_puffs, meet_puffs};
+extern const MapKernels map_kernels{project_row, march_row,  look_up,       light_box,
+                                    splat_puffs, meet_puffs, splat_strands, meet_strands};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -47,6 +47,13 @@ struct SplatPuff {
     float column;     // straight through the middle, less what that widening makes of it
 };
 
+// A straight piece of a strand as the rays of a map meet it. Of parallel light, in texels across and in the map's depth
+// along; of light from a place, in metres, with the light at the origin.
+struct SplatStrand {
+    float from[3], to[3];
+    float from_radius, to_radius; // as across
+};
+
 // What a map is made from of primitives that its texels' rays meet: a cell of the bins has those of a block of
 // Bins::EDGE^2 texels, or of several.
 template <typename Primitive>
@@ -93,6 +100,8 @@ struct MapKernels {
     // One block, by the numbers of its column and row: onto harmonics; or what its rays meet, a packet at a time.
     void (*splat_puffs)(const Splat<SplatPuff> &, int column, int row);
     void (*meet_puffs)(const Splat<SplatPuff> &, int column, int row, int packet, SplatAbsorbers &);
+    void (*splat_strands)(const Splat<SplatStrand> &, int column, int row);
+    void (*meet_strands)(const Splat<SplatStrand> &, int column, int row, int packet, SplatAbsorbers &);
 };
 
 const MapKernels &map_kernels(const InstructionSet &with = instruction_set());

@@ -45,7 +45,8 @@ struct LightMapView {
     float scale[3] = {1.0F, 1.0F, 1.0F}; // and one over their extent
     BasisName basis = COSINE;
     bool shared = false;
-    TablesView tables;                    // of a learned basis
+    bool sharp = false; // rays of their own ranges: between texels, what they let through is filtered, not columns
+    TablesView tables;  // of a learned basis
     const std::int32_t *curves = nullptr; // in the place of coefficients
     int colours = 1;                      // of the curves,
     float per_depth[3] = {};              // and column density for an optical depth of one in each

@@ -127,6 +127,18 @@ struct BlendedNumbers {
     }
 };
 
+// The columns of four rays as one. Sharp ones are optical depths.
+inline Real blended_columns(const LightMapView &map, const Texels &texels, const Real columns[4]) {
+    if (!map.sharp) {
+        return bilinear(texels, columns);
+    }
+    Real light[4];
+    for (int t = 0; t < 4; ++t) {
+        light[t] = exp(-columns[t]);
+    }
+    return -log(max(bilinear(texels, light), 1e-37F));
+}
+
 // Where each texel's ray has a range of its own, what is filtered is the four column densities, not the coefficients.
 template <BasisName BASIS>
 inline Real own_column(const LightMapView &map, const Texels &texels, Real z) {
@@ -145,13 +157,13 @@ inline Real own_column(const LightMapView &map, const Texels &texels, Real z) {
         for (int t = 0; t < 4; ++t) {
             columns[t] = columns[t] * d[t];
         }
-        return bilinear(texels, columns);
+        return blended_columns(map, texels, columns);
     }
     for (int t = 0; t < 4; ++t) {
         const TexelNumbers numbers{map.coefficients + HEAD - 1, first[t]};
         columns[t] = integral_of<BASIS>(columns[t], map.count, d[t], numbers, map.tables);
     }
-    return bilinear(texels, columns);
+    return blended_columns(map, texels, columns);
 }
 
 // Where they share one, filtered coefficients are one series.

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "maps/splat.hpp"
 
-#include "maps/column_rays.hpp"
 #include "maps/map_kernels.hpp"
+#include "maps/splat_blocks.hpp"
 #include "rays/bins.hpp"
 #include "text/lights_text.hpp"
 #include "text/media_text.hpp"
 #include "text/rays_text.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -171,71 +170,10 @@ private:
     }
 };
 
-int blocks(int texels) {
-    return (texels + Bins::EDGE - 1) / Bins::EDGE;
-}
-
-// One ray of what a packet meets. A chord's density is that of three flat absorbers (Gauss and Legendre's rule with the
-// density for a weight).
-void take_ray(const SplatAbsorbers &met, bool shared, std::size_t lane, std::size_t lanes, ColumnRay &ray) {
-    constexpr std::array<std::array<float, 2>, 3> NODES = {
-        {{-0.654653671F, 7.0F / 30.0F}, {0.0F, 16.0F / 30.0F}, {0.654653671F, 7.0F / 30.0F}}};
-    ray.depth.clear();
-    ray.column.clear();
-    ray.total = 0.0F;
-    float low = std::numeric_limits<float>::max(), high = -low;
-    for (std::size_t i = lane; i < met.count * lanes; i += lanes) {
-        const float column = met.column[i], depth = met.depth[i], half = met.half[i];
-        if (!(column > 0.0F)) {
-            continue;
-        }
-        for (const auto &[place, share] : NODES) {
-            ray.depth.push_back(std::clamp(depth + place * half, 0.0F, 1.0F));
-            ray.column.push_back(column * share);
-        }
-        ray.total += column;
-        low = std::min(low, depth - half);
-        high = std::max(high, depth + half);
-    }
-    const bool own = ray.total > 0.0F && !shared;
-    const RaysText::DepthRange range = own ? RaysText().padded_range(low, high) : RaysText::DepthRange{0.0F, 1.0F};
-    ray.range.low = std::max(range.low, 0.0F);
-    ray.range.high = std::max(std::min(range.high, 1.0F), ray.range.low + 1e-4F);
-}
-
 LightMap splatted(LightMap map, std::span<const Puff> puffs, const InstructionSet &with) {
-    Splatted splat(map, puffs);
+    const Splatted splat(map, puffs);
     const MapKernels &kernels = map_kernels(with);
-    const int columns = blocks(map.size.x), rows = blocks(map.size.y);
-    if (map.harmonic()) {
-        map.coefficients.resize(map.texels() * static_cast<std::size_t>(map.view().stride()));
-        splat.view.coefficients = map.coefficients.data();
-        oneapi::tbb::parallel_for(
-            0, columns * rows, [&](int block) { kernels.splat_puffs(splat.view, block % columns, block / columns); });
-        blur(map);
-        return map;
-    }
-    ColumnRays rays;
-    rays.strips = columns * rows;
-    rays.for_rays = [&, lanes = static_cast<std::size_t>(with.lanes), size = map.size](int block, const UseRay &use) {
-        SplatAbsorbers met;
-        ColumnRay ray;
-        const int packets = Bins::EDGE * Bins::EDGE / with.lanes;
-        for (int packet = 0; packet < packets; ++packet) {
-            kernels.meet_puffs(splat.view, block % columns, block / columns, packet, met);
-            for (std::size_t lane = 0; lane < lanes; ++lane) {
-                const int number = packet * with.lanes + static_cast<int>(lane);
-                const int x = block % columns * Bins::EDGE + number % Bins::EDGE;
-                const int y = block / columns * Bins::EDGE + number / Bins::EDGE;
-                if (x < size.x && y < size.y) {
-                    take_ray(met, map.shared, lane, lanes, ray);
-                    use(static_cast<std::size_t>(y * size.x + x), ray);
-                }
-            }
-        }
-    };
-    fill(map, rays);
-    return map;
+    return splatted(std::move(map), splat.view, kernels.splat_puffs, kernels.meet_puffs, with);
 }
 
 } // namespace

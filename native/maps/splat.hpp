@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Light maps of particles, by splatting.
+// Light maps of particles and of strands, by splatting.
 #pragma once
 
 #include "maps/body.hpp"
@@ -10,7 +10,12 @@
 
 namespace sfumato {
 
+struct Strands; // scene/scene.hpp
+
 // One of the bodies of puffs. Its columns are optical depths in the strongest colour.
 Body body_of(const std::shared_ptr<const Puffs> &puffs, std::size_t number);
+
+// Some strands of two points or more, as optical depths.
+Body body_of(const Strands &strands);
 
 } // namespace sfumato

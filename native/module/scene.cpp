@@ -425,6 +425,25 @@ Raises ValueError for wrong shapes and for values that are not finite or not in 
 
 >>> Scene().add_particles([[0, 0, 0], [0, 0, 1]], radius=0.5, opacity=[0.1, 0.3])
 )")
+        .def("add_strands", &add_strands, py::arg("points"), py::arg("radius"), py::arg("first"),
+             py::arg("fibre") = py::none(), py::arg("matt") = py::none(), py::arg("material") = py::none(),
+             py::arg("smooth") = true, py::arg("visibility") = py::none(),
+             R"(Add strands of hair: rows of keys, points (n, 3) in metres with a radius (n,) each. The keys of strand i
+are those from first[i] up to first[i + 1]; first (m + 1,) ends with n. Through them leads Catmull and Rom's curve, or
+where it is not smooth a straight line from one to the next. Returns how many strands have no two keys: they are
+left out.
+
+Light leaves them by one of two models. fibre (k, 8), Chiang's (2016): the optical depth of a radius in each colour (3),
+the roughness in [0.001, 1] along a strand, around it, and along it of what is reflected at once, the tilt of the
+cuticle's scales in radians, and the index of refraction. Or matt (k, 7), Kajiya and Kay's (1989): the albedo (3), the
+share of light that is in the highlight (3), and its roughness. Without both it is brown hair. material (m,) is the row of each strand, the first
+without it. visibility, 'shown' or 'unseen', and its lights.
+Raises ValueError for wrong shapes, and for values that are not finite or not in range.
+
+>>> keys = [[0, 0, 0], [0, 0, 1], [0, 1, 2], [1, 0, 0]]
+>>> Scene().add_strands(keys, [0.001] * 4, [0, 3, 4], fibre=[[0.5, 0.8, 1.5, 0.3, 0.3, 0.3, 0.03, 1.55]])
+1
+)")
         .def("add_sun", &add_sun, py::arg("direction"), py::arg("irradiance"), py::arg("angle") = 0.0F,
              py::arg("reach") = py::none(),
              R"(Add a sun: direction (3,) in which its light travels; irradiance (3,) in W/m^2 on a surface that

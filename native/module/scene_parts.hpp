@@ -64,4 +64,10 @@ struct ConsoleScene : Scene {
     [[nodiscard]] Scene for_reference() const;
 };
 
+// How many strands have no two keys.
+std::size_t add_strands(ConsoleScene &scene, const arguments::Floats &points, const arguments::Floats &radius,
+                        const arguments::Doubles &first, const std::optional<arguments::Floats> &fibre,
+                        const std::optional<arguments::Floats> &matt, const std::optional<arguments::Doubles> &material,
+                        bool smooth, const std::optional<Visibility> &visibility);
+
 } // namespace sfumato

@@ -438,6 +438,22 @@ class Scene:
         lights. It is not seen itself: that is add_mesh's emission. Raises ValueError for corners that are not
         flat, that hold no area, or whose edges cross.
         """
+    def add_strands(
+        self,
+        points: ArrayLike,
+        radius: ArrayLike,
+        first: ArrayLike,
+        fibre: ArrayLike | None = None,
+        matt: ArrayLike | None = None,
+        material: ArrayLike | None = None,
+        smooth: bool = True,
+        visibility: Visibility | None = None,
+    ) -> int:
+        """Add strands of hair: rows of keys, points (n, 3) in metres with a radius (n,) each. The keys of strand i
+        are those from first[i] up to first[i + 1]; first (m + 1,) ends with n. Through them leads Catmull and
+        Rom's curve, or where it is not smooth a straight line from one to the next. Returns how many strands have
+        no two keys: they are left out.
+        """
     def add_sun(
         self, direction: ArrayLike, irradiance: ArrayLike, angle: float = 0.0, reach: Reach | None = None
     ) -> None:

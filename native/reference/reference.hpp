@@ -90,9 +90,9 @@ double transmittance(std::span<const Fragment> fragments, double d);
 // A dielectric cylinder: Chiang, Bitterli, Tappan and Burley, "A practical and controllable hair and fur model for
 // production path tracing", 2016.
 struct Strand {
-    glm::dvec3 absorption{0.0}; // optical depth of a radius
+    glm::dvec3 absorption{0.0};                                // optical depth of a radius
     double longitudinal = 0.3, azimuthal = 0.3, primary = 0.3; // roughness, of the last that which is reflected at once
-    double tilt = 0.0;          // of the cuticle's scales, radians
+    double tilt = 0.0;                                         // of the cuticle's scales, radians
     double index = 1.55;
 };
 

@@ -133,10 +133,41 @@ struct Particles {
     Visibility visibility;         // SHOWN or UNSEEN
 };
 
+// Light leaving a strand of hair, of one of two models.
+struct StrandMaterial {
+    // A dielectric cylinder: Chiang, Bitterli, Tappan and Burley, "A practical and controllable hair and fur model for
+    // production path tracing", 2016.
+    bool dielectric = true;
+    glm::vec3 absorption{0.0F};                                  // optical depth of a radius
+    float longitudinal = 0.3F, primary = 0.3F, azimuthal = 0.3F; // roughness, of the second what is reflected at once
+    float tilt = 0.0F;                                           // of the cuticle's scales, radians
+    float index = 1.55F;
+    // Or a matt one with a highlight: Kajiya and Kay, "Rendering fur with three dimensional textures", 1989.
+    glm::vec3 albedo{0.0F}, highlight{0.0F};
+    float roughness = 0.3F; // of the highlight
+};
+
+// Hairs, as rows of keys. Once shared it never changes, as a Shape.
+struct StrandShape {
+    std::vector<glm::vec3> points;    // of all strands, in the world
+    std::vector<float> radius;        // one for each point
+    std::vector<std::uint32_t> first; // of each strand, where its points begin; then the number of all
+    bool smooth = true;               // Catmull and Rom's curve through the points, or straight between them
+};
+
+// Strands of one object.
+struct Strands {
+    std::shared_ptr<const StrandShape> shape;
+    std::vector<StrandMaterial> materials;
+    std::vector<std::uint32_t> material; // of each strand; or none: the first
+    Visibility visibility;               // SHOWN or UNSEEN
+};
+
 struct Scene {
     std::vector<Instances> meshes;
     std::vector<Medium> media;        // where they overlap, their densities add
     std::vector<Particles> particles; // with each other's and with those of the media, too
+    std::vector<Strands> strands;
     std::vector<Light> lights;
     glm::vec3 background{0.0F};    // radiance where no surface is; it lights nothing
     float background_alpha = 0.0F; // 1 where the picture is to have none of another behind it
