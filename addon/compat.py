@@ -121,6 +121,12 @@ def voxels_emit() -> bool:
     return bool(bpy.app.version >= (5, 0, 0))
 
 
+def poly_curves_have_corners() -> bool:
+    """Whether hair curves of the type Poly are straight between their points, rather than smooth as all are before. 4.5.15
+    against 5.0.1: hair.py."""
+    return bool(bpy.app.version >= (5, 0, 0))
+
+
 def size_factor(light: Any, area: float = 0.0) -> float:
     """What Cycles multiplies a light by where 'Normalize' is off, as it can be from 4.5 on: the area over which it would
     else spread its strength. `area` is that of an area light, scaled; those of points and suns know no scale."""

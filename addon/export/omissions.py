@@ -119,10 +119,6 @@ def of_surface(thing: Any, glows: bool, depsgraph: Any, notices: list[str]) -> N
         if not (modifier.show_render if depsgraph.mode == "RENDER" else modifier.show_viewport):
             continue
         last = modifier
-        if modifier.type == "PARTICLE_SYSTEM":
-            settings = modifier.particle_system.settings
-            if settings.type == "HAIR" and settings.render_type == "PATH":
-                notices.append(f"{thing.name}: its particle system '{settings.name}' is hair, which is not shown")
     if last is not None and last.type == "SUBSURF" and _is_adaptive(thing, last, depsgraph.scene):
         notices.append(f"{thing.name}: its Adaptive Subdivision is not followed; it is subdivided as in other engines")
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import lights, materials, meshes, omissions, particles, smoke, surfaces, visibility
+from . import hair, lights, materials, meshes, omissions, particles, smoke, surfaces, visibility
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -132,6 +132,7 @@ def export(
     points = particles.Particles(depsgraph, origin, out.notices)
     filtered, lies_over = bool(filter_of(space)), omissions.lies_over(space)
     said_of: set[int] = set()  # objects
+    strands: list[tuple[int, hair.Hair]] = []
     for number, instance in enumerate(depsgraph.object_instances):
         if not (shown[number] or emits[number]):
             continue
@@ -140,6 +141,8 @@ def export(
             continue
         if emits[number] and layer.use_volumes:
             points.add_systems(number, instance, matrices[number])
+        if layer.use_strand and (shown[number] and thing.type == "CURVES" or emits[number] and thing.particle_systems):
+            strands += [(number, each) for each in hair.hair_of(thing, matrices[number], depsgraph, looks)]
         if not shown[number]:
             continue
         key = _group_key(thing)
@@ -189,7 +192,9 @@ def export(
     seen, smoke_seen = _visibilities(
         depsgraph,
         flags,
-        {place for group in solids for place in group.places} | points.numbers(puffs=False),
+        {place for group in solids for place in group.places}
+        | points.numbers(puffs=False)
+        | {number for number, _ in strands},
         {number for number, *_ in media} | points.numbers(puffs=True),
     )
     for group in solids:
@@ -200,6 +205,11 @@ def export(
         out.notices.append("No light: nothing is lit. Add one, or raise its strength")
     if lit > MOST_LIGHTS:
         out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
+    for number, each in strands:
+        try:
+            each.add_to(out.scene, visibility.native(flags.of_hair(seen.get(number), each.name)))
+        except ValueError as error:
+            out.notices.append(f"{each.name}: {error}")
     add_media(out, [(name, medium, smoke_seen.get(number)) for number, name, medium in media])
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:

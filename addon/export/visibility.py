@@ -100,6 +100,13 @@ class Flags:
             self._notices.append(f"{instance.object.name}: smoke catches no shadow; it is shown as smoke")
         return found._replace(seen="unseen" if found.seen == "unseen" else "shown")
 
+    def of_hair(self, flags: Visibility | None, name: str) -> Visibility | None:
+        """The flags of an object, for its hair, which is no holdout and catches no shadow."""
+        if flags is None or flags.seen in {"shown", "unseen"}:
+            return flags
+        self._notices.append(f"{name}: its hair is no {flags.seen}; it is shown as hair")
+        return flags._replace(seen="shown")
+
     def reach_of(self, thing: Any) -> Reach | None:
         """What a light, or an object that glows, reaches; None where that is nothing."""
         shows = thing.visible_diffuse, thing.visible_glossy, thing.visible_volume_scatter

@@ -51,6 +51,17 @@ FOLLOWED = (
         idle={_WEIGHT: ("Weight",)},
     ),
     Node("ShaderNodeBsdfTransparent", ("Color",), idle={_WEIGHT: ("Weight",)}),
+    Node(
+        "ShaderNodeBsdfHairPrincipled",
+        ("Color", "Melanin", "Melanin Redness", "Tint", "Absorption Coefficient", "Roughness", "Radial Roughness", "Coat",
+         "IOR", "Offset", "Random Color", "Random Roughness", "Random", "parametrization"),
+        elsewhere=("model",),
+        idle={
+            "details of Huang's model, which is named as a whole": (
+                "Aspect Ratio", "Reflection", "Transmission", "Secondary Reflection"),
+            _WEIGHT: ("Weight",),
+        },
+    ),
     Node("ShaderNodeMixShader", ("Shader",), elsewhere=("Fac", "Factor")),
     Node("ShaderNodeAddShader", ("Shader",)),
     Node("ShaderNodeEmission", ("Color", "Strength"), idle={_WEIGHT: ("Weight",)}),
@@ -83,7 +94,7 @@ FOLLOWED = (
 
 # What becomes of the others, and their names without "ShaderNode".
 SURFACES = (
-    "BsdfGlass BsdfHair BsdfHairPrincipled BsdfMetallic BsdfRayPortal BsdfRefraction BsdfSheen BsdfToon "
+    "BsdfGlass BsdfHair BsdfMetallic BsdfRayPortal BsdfRefraction BsdfSheen BsdfToon "
     "BsdfTranslucent BsdfVelvet Group Holdout Script SubsurfaceScattering"
 )
 VOLUMES = "VolumeAbsorption VolumeCoefficients VolumeScatter"

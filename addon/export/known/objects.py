@@ -9,7 +9,6 @@ SURFACES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
 # Objects that Cycles renders and we do not, by their types, and what is said of them.
 _GREASE_PENCIL = "Grease Pencil is laid over the picture by Blender, whatever is before it"
 UNSHOWN = {
-    "CURVES": "hair curves are not shown",
     "GPENCIL": _GREASE_PENCIL,
     "GREASEPENCIL": _GREASE_PENCIL,
 }
@@ -60,6 +59,7 @@ OBJECT = Struct(
         "visible_volume_scatter",
         "light linking": "light_linking",
         "whether it is hidden": "hide_render hide_viewport show_instancer_for_render show_instancer_for_viewport",
+        "hair of its particle systems": "particle_systems",
         "instances": "instance_type use_instance_vertices_rotation use_instance_faces_scale instance_faces_scale "
         "instance_collection is_instancer is_from_instancer is_from_set",
         "physics, by Blender": "field collision soft_body rigid_body rigid_body_constraint",
@@ -73,7 +73,6 @@ OBJECT = Struct(
               elsewhere=True),
         Named("visible_camera", (False,), "its Camera visibility is on, but the lamp itself is not seen",
               kinds=("LIGHT",)),
-        Named("particle_systems", (), "its particle system '{value}' is hair, which is not shown", elsewhere=True),
         Named("shadow_terminator_shading_offset", (0.0,), "its Shadow Terminator's Shading Offset of {value} is not "
               "followed; there is none", kinds=("GLOWING", "DARK")),
     ),

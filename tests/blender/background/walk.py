@@ -81,12 +81,6 @@ def as_said(value: Any, prop: Any) -> str:
     return value.name if isinstance(value, bpy.types.ID) else f"{value:.3g}"
 
 
-def hair(stage: Stage) -> str:
-    system = stage.floor.modifiers.new("Fur", "PARTICLE_SYSTEM").particle_system
-    system.settings.type, system.settings.count = "HAIR", 3
-    return "Floor"
-
-
 def adaptive(stage: Stage) -> str:
     modifier = stage.floor.modifiers.new("Finer", "SUBSURF")
     if hasattr(modifier, "use_adaptive_subdivision"):
@@ -116,7 +110,6 @@ def without_transparent_shadow(stage: Stage) -> str:
 
 # What takes more than one property to be said, and how it comes about.
 TOGETHER: dict[tuple[str, str], Callable[[Stage], str]] = {
-    ("Object", "particle_systems"): hair,
     ("Object", "is_shadow_catcher"): catching,
     ("CyclesObjectSettings", "use_adaptive_subdivision"): adaptive,
     ("VolumeRender", "clipping"): clipped,
@@ -205,7 +198,6 @@ def test_what_takes_more_than_a_property_is_said_once_too() -> None:
 
 def test_types_of_objects_that_are_not_shown_are_named() -> None:
     made: dict[str, Callable[[], Any]] = {
-        "CURVES": lambda: bpy.data.hair_curves.new("Thing"),
         "GPENCIL": lambda: bpy.data.grease_pencils.new("Thing"),
         "GREASEPENCIL": lambda: getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils).new("Thing"),
     }
