@@ -204,6 +204,11 @@ constexpr int COUNT = 7, GROUP = LANES == 16 ? 4 : 1, ROWS = LANES < BLOCK ? 1 :
 // The paper's: of one range for all, what a primitive adds to any ray goes as its column. Asked for is the share of it
 // on the rays of GROUP packets, each ROWS rows above the last: shares_of_column(primitive, rays, shares).
 template <typename Primitive>
+concept HasShares = requires(const Primitive &primitive, const TexelRays &rays, Real (&shares)[GROUP]) {
+    shares_of_column(primitive, rays, shares);
+};
+
+template <HasShares Primitive>
 void splat_published(const Listed<Primitive> &list, int column, int row, int packet) {
     const Splat<Primitive> &splat = list.splat;
     const TexelRays rays = rays_of(splat.map, column, row, packet);
@@ -234,8 +239,10 @@ void splat_published(const Listed<Primitive> &list, int column, int row, int pac
 template <typename Primitive>
 void splat_block(const Splat<Primitive> &splat, int column, int row) {
     const Listed<Primitive> list(splat, column, row);
-    for (int packet = 0; splat.weights != nullptr && packet < PACKETS; packet += GROUP) {
-        splat_published(list, column, row, packet);
+    if constexpr (HasShares<Primitive>) {
+        for (int packet = 0; splat.weights != nullptr && packet < PACKETS; packet += GROUP) {
+            splat_published(list, column, row, packet);
+        }
     }
     for (int packet = 0; splat.weights == nullptr && packet < PACKETS; ++packet) {
         if (splat.map.basis == COSINE) {

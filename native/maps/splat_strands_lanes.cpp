@@ -6,11 +6,6 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
-// Strands have no basis of their own among the published ones.
-Real share_of_column(const SplatStrand & /*strand*/, const TexelRays & /*rays*/) {
-    return 0.0F;
-}
-
 // The part of [low, high] that lies within half a texel.
 Real within_texel(Real low, Real high) {
     return max(min(high, 0.5F) - max(low, -0.5F), 0.0F);
