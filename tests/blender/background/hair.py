@@ -31,7 +31,9 @@ def hair_material(**values: object) -> Any:
     material.use_nodes = True
     tree = material.node_tree
     shader = tree.nodes.new("ShaderNodeBsdfHairPrincipled")
-    for name, value in {"parametrization": "MELANIN", "model": "CHIANG", **values}.items():
+    inputs: dict[str, object] = {"parametrization": "MELANIN", "model": "CHIANG"}
+    inputs.update(values)
+    for name, value in inputs.items():
         if name.replace("_", " ") in shader.inputs:
             shader.inputs[name.replace("_", " ")].default_value = value
         elif hasattr(shader, name):
