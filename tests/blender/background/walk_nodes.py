@@ -59,10 +59,16 @@ def with_node(name: str) -> tuple[Stage, Any, str]:
         )
         found = next(node for node in owner.node_tree.nodes if node.bl_idname == name)
         return stage, found, "World" if owner == stage.scene.world else "Floor"
-    tree = stage.floor.data.materials[0].node_tree
+    owner = stage.floor
+    if name == "ShaderNodeBsdfHairPrincipled":
+        owner = stage.add("Hair", stage.floor.data.copy())
+        hair = owner.modifiers.new("Hair", "PARTICLE_SYSTEM").particle_system.settings
+        hair.type, hair.count = "HAIR", 4
+        owner.data.materials[0] = owner.data.materials[0].copy()
+    tree = owner.data.materials[0].node_tree
     shader = tree.nodes.new(name)
     tree.links.new(shader.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    return stage, shader, "Floor"
+    return stage, shader, owner.name
 
 
 def link_noise(node: Any, socket: Any) -> None:
@@ -76,7 +82,7 @@ def link_noise(node: Any, socket: Any) -> None:
 # Without which others mean nothing.
 NEEDS = {"Anisotropic Rotation": "Anisotropic", "Rotation": "Anisotropy", "Coat Roughness": "Coat Weight",
          "Coat IOR": "Coat Weight", "Emission Color": "Emission Strength", "Blackbody Tint": "Blackbody Intensity",
-         "Temperature": "Blackbody Intensity"}  # fmt: skip
+         "Temperature": "Blackbody Intensity", "Random": "Random Roughness"}  # fmt: skip
 
 
 def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
@@ -122,6 +128,8 @@ def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
                     continue  # before 4.0 it is that of glass
                 if name in NEEDS and NEEDS[name] in node.inputs:
                     node.inputs[NEEDS[name]].default_value = 0.5
+                if hasattr(node, "parametrization"):
+                    node.parametrization = "COLOR" if name == "Color" else "MELANIN"
                 before = stage.exported()
                 link_noise(node, node.inputs[name])
                 wrong.append(stage.not_heard_once(before, f"{owner}: ", name, "link"))
