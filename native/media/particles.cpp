@@ -5,8 +5,10 @@
 #include "text/rays_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include <glm/common.hpp>
@@ -18,15 +20,23 @@ namespace {
 
 using RaysText = text::RaysText<float>;
 
-// Of texels so many times smaller, interpolated, the column of a puff is off by at most 1 % of that through its middle.
-constexpr double DETAILS_OF_RADIUS = 6.0;
+// How many texels a radius needs to be wide, of puffs of an optical depth `depth` of which `overlap` lie on a ray. Of
+// texels six times smaller than its radius, interpolated, the column of a puff is off by at most 1 % of that through
+// its middle, and the error goes as the square of a texel. Those of many puffs on a ray are independent: where together
+// they are off by less than ALLOWED, texels may be larger. FEW puffs lie here and there, where the mean says little.
+double details_of_radius(double depth, double overlap) {
+    constexpr double FINEST = 6.0, COARSEST = 2.0, ERROR = 0.01, ALLOWED = 0.04, FEW = 12.0;
+    const double allowed = std::sqrt(ERROR * depth * std::sqrt(std::max(overlap, 1.0)) / ALLOWED);
+    const double mixed = std::pow(FEW / std::max(overlap, FEW), 0.25);
+    return std::max(FINEST * std::clamp(allowed, mixed, 1.0), COARSEST);
+}
 
 void add_body(const Particles &particles, Puffs &out) {
     Puffs::Body body;
     body.first = out.puffs.size();
     body.low = glm::vec3(std::numeric_limits<float>::max());
     body.high = -body.low;
-    double cross_section = 0.0, widths = 0.0;
+    double cross_section = 0.0, widths = 0.0, depths = 0.0, discs = 0.0;
     for (std::size_t i = 0; i < particles.points.size(); ++i) {
         const float radius = particles.radius[i], depth = RaysText().optical_depth_of(particles.opacity[i]);
         if (!(radius > 0.0F && depth > 0.0F)) {
@@ -39,12 +49,16 @@ void add_body(const Particles &particles, Puffs &out) {
         const double takes = double{particles.opacity[i]} * double{radius};
         cross_section += takes;
         widths += takes * double{radius};
+        depths += takes * double{depth};
+        discs += std::numbers::pi * double{radius} * double{radius};
     }
     body.count = out.puffs.size() - body.first;
     if (body.count == 0) {
         return;
     }
-    body.detail = widths / cross_section / DETAILS_OF_RADIUS;
+    const glm::dvec3 extent = body.high - body.low;
+    const double side = (extent.x * extent.y + extent.y * extent.z + extent.z * extent.x) / 3.0;
+    body.detail = widths / cross_section / details_of_radius(depths / cross_section, discs / side);
     body.extinction = particles.extinction;
     body.anisotropy = particles.anisotropy;
     body.visibility = particles.visibility;
