@@ -121,6 +121,12 @@ def voxels_emit() -> bool:
     return bool(bpy.app.version >= (5, 0, 0))
 
 
+def constants_fill_more() -> bool:
+    """Whether Cycles lets what emits the same everywhere fill more than the blocks that hold smoke. fire.py: 9 % of the
+    light in 5.0.1, none in 4.5.15."""
+    return bool(bpy.app.version >= (5, 0, 0))
+
+
 def poly_curves_have_corners() -> bool:
     """Whether hair curves of the type Poly are straight between their points, rather than smooth as all are before. 4.5.15
     against 5.0.1: hair.py."""

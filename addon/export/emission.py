@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import compat
 from . import materials
 
 Array = NDArray[np.float64]
@@ -99,6 +100,10 @@ def emitters_of(thing: Any, depsgraph: Any, notices: list[str]) -> tuple[Emitter
         elif node.type == "PRINCIPLED_VOLUME":
             found += _glow(node, "Emission Strength", "Emission Color", thing.name, notices)
             found += _blackbody(node, thing.name, notices)
+    if compat.constants_fill_more() and any(not emitter.attribute for emitter in found):
+        notices.append(
+            f"{thing.name}: it emits the same everywhere; around its smoke that fills less than in Cycles of this Blender"
+        )
     return merged(found)
 
 

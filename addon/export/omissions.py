@@ -111,6 +111,12 @@ def of_copy(thing: Any, glows: bool, notices: list[str]) -> None:
     of("object", thing, thing.name, notices, "GLOWING" if glows else "DARK")
 
 
+def of_pane(name: str, found: list[Any], space: Any, notices: list[str]) -> None:
+    """What surfaces that let light through do over Blender's picture, which shows them clear in Material Preview alone."""
+    if space.shading.type == "MATERIAL" and any(surface.transmittance.any() for surface in found):
+        notices.append(f"{name}: light passes through it, but in Material Preview it hides the smoke behind it")
+
+
 def of_surface(thing: Any, glows: bool, depsgraph: Any, notices: list[str]) -> None:
     """What one object with surfaces is set to, beyond the switches of all; `glows` if it emits."""
     of_copy(thing, glows, notices)

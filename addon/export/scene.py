@@ -29,7 +29,6 @@ class Export:
     notices: list[str] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)  # of these, the smoke that should be there
     drawn: set[str] = field(default_factory=set)  # objects whose smoke a viewport draws
-    over_others: bool = False  # whether it is laid over a picture that has the surfaces, which then are opaque
 
 
 LATTICE = 256.0  # metres
@@ -118,7 +117,7 @@ def export(
     smoke and shadows alone are seen of it there are no notices of what surfaces and the world look like. Raises
     core.Missing without the native module. A render may look through another `camera` than the scene's."""
     parts = parts or Parts()
-    out = Export(core.module().Scene(), over_others=smoke_alone)
+    out = Export(core.module().Scene())
     looks: list[str] = [] if smoke_alone else out.notices
     lit = 0
     layer = depsgraph.view_layer_eval
@@ -179,7 +178,9 @@ def export(
                 groups[key] = group = _group_of(thing, depsgraph, parts, looks)
                 if group is not None:
                     group.add(number, thing, flags)
-                    if not lies_over:
+                    if lies_over:
+                        omissions.of_pane(thing.name, group.surfaces, space, out.notices)
+                    else:
                         omissions.of_surface(thing, group.triangles is not None, depsgraph, out.notices)
             elif not lies_over:
                 omissions.of_type(thing, out.notices)
@@ -294,7 +295,7 @@ def add_surfaces(
         out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
         places = places[usable]
     emission = np.array([surface.emission for surface in group.surfaces])
-    transmittance = None if out.over_others else surfaces.transmittances(group.surfaces)
+    transmittance = surfaces.transmittances(group.surfaces)
     if transmittance is not None and seen is not None and seen.seen in _WHOLE:
         out.notices.append(f"{group.name}: it lets light through, but is {_WHOLE[seen.seen]} as if it did not")
     try:

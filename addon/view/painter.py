@@ -45,7 +45,11 @@ class Look:
     def by_processor(self, frame: Any) -> bool:
         """Whether the whole picture is: a GPU marches through grids alone, and the surfaces that it marches up to have no
         alpha of their own."""
-        return frame.sorted or not (self.overlay or frame.opaque)
+        return self.sorts(frame) or not (self.overlay or frame.opaque)
+
+    def sorts(self, frame: Any) -> bool:
+        """Whether anything else than grids lies before surfaces. Transparent meshes and hair are in Blender's own picture."""
+        return bool(frame.particles if self.overlay else frame.sorted)
 
     def moves_to(self, other: Look) -> bool:
         """Whether only the camera is another."""
@@ -118,7 +122,7 @@ class Painter:
         camera = look.camera()
         if look.by_processor(frame):
             # What is sorted is not for every pixel at once: they follow, refined.
-            return _processed(frame, look, max(spacing, HALF) if frame.sorted else spacing, refined)
+            return _processed(frame, look, max(spacing, HALF) if look.sorts(frame) else spacing, refined)
         if spacing > 1 and self.software:
             return _processed(frame, look, spacing)
         if refined is not None:

@@ -57,9 +57,11 @@ public:
     [[nodiscard]] bool opaque() const {
         return !content_.surfaces->sheets() && (content_.surfaces->opaque() || background_alpha_ == 1.0F);
     }
+    // Whether the camera sees any.
+    [[nodiscard]] bool particles() const { return content_.puffs && content_.puffs->seen > 0; }
     // Whether anything else than grids may lie before an opaque surface, which takes sorting along each ray.
     [[nodiscard]] bool sorted() const {
-        return content_.surfaces->sheets() || (content_.puffs && content_.puffs->seen > 0) || !content_.strands.empty();
+        return content_.surfaces->sheets() || particles() || !content_.strands.empty();
     }
     [[nodiscard]] bool grey() const { return content_.grey; }
     [[nodiscard]] const glm::dvec3 &origin() const { return origin_; }

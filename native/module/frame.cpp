@@ -400,6 +400,7 @@ the square of the light's size, as in falloff() of shaders/lights/light.glsl; st
         .def_property_readonly("grey", &Frame::grey, "Whether all smoke takes all colours alike: one march does.")
         .def_property_readonly("opaque", &Frame::opaque,
                                "Whether every surface has an alpha of 1: none is held out, or catches shadows.")
+        .def_property_readonly("particles", &Frame::particles, "Whether the camera sees any particles.")
         .def_property_readonly("sorted", &Frame::sorted,
                                "Whether anything else than grids may lie before an opaque surface, such as transparent "
                                "meshes: pictures of that are the processor's alone.")

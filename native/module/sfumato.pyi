@@ -63,6 +63,9 @@ class Frame:
     @property
     def origin(self) -> NDArray[numpy.float64]:
         """The scene's, (3,): the place in the world to which cameras and points are relative."""
+    @property
+    def particles(self) -> bool:
+        """Whether the camera sees any particles."""
     def passes(
         self,
         camera: Camera,

@@ -14,7 +14,8 @@ import multilayer
 import numpy as np
 import pictures
 from numpy.typing import NDArray
-from sfumato import log  # type: ignore[attr-defined]
+from sfumato import core, log  # type: ignore[attr-defined]
+from sfumato.export import parts
 from sfumato.export import scene as export
 
 SIZE = (64, 48)
@@ -274,6 +275,20 @@ def _depth_and_mist(engine: str) -> tuple[float, float]:
     depth, mist = (next(v for name, v in layers.items() if name.endswith(end)) for end in (".Depth.Z", ".Mist.Z"))
     row, columns = SIZE[1] // 2, slice(SIZE[0] // 4, 3 * SIZE[0] // 4)
     return float(depth[row, columns].max()), float(mist[row, columns].mean())
+
+
+def test_a_pane_over_blenders_picture_shades_by_what_it_takes() -> None:
+    """As the overlay of a view has it, from below the pane."""
+    below = core.module().Camera(np.diag([1.0, 1.0, -2.0, 1.0]))
+    shadow = {}
+    for alpha in (0.5, 1.0):
+        stage(lamp="SUN")
+        pane((0.0, 0.0, 0.8), 0.0, 2.0, Alpha=alpha)
+        out = export.export(bpy.context.evaluated_depsgraph_get(), smoke_alone=True)
+        frame = export.made_of(out, bpy.context.scene, parts.Parts())
+        assert not frame.particles
+        shadow[alpha] = frame.surfaces(below, 8, 8, output="all_shadows")[3:5, 3:5, :3].mean()
+    assert shadow[1.0] > 0.5 and abs(shadow[0.5] / shadow[1.0] - 0.5) < 1e-3, shadow
 
 
 if __name__ == "__main__":
