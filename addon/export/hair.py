@@ -168,7 +168,7 @@ def _profile(settings: Any, share: NDArray[np.float64]) -> NDArray[np.float64]:
     return radius
 
 
-def of_system(thing: Any, system: Any, depsgraph: Any) -> Strands | None:
+def of_system(thing: Any, system: Any, depsgraph: Any, notices: list[str]) -> Strands | None:
     """The hairs of an evaluated object's particle system: children where there are any, else parents."""
     settings = system.settings
     render = depsgraph.mode == "RENDER"
@@ -182,10 +182,14 @@ def of_system(thing: Any, system: Any, depsgraph: Any) -> Strands | None:
     count = last - first
     if count <= 0:
         return None
+    own = np.array(thing.matrix_world, dtype=np.float64)
+    if not abs(float(np.linalg.det(own[:3, :3]))) > 1e-12:
+        notices.append(f"{thing.name}: its scale leaves its hair no place; left out")
+        return None
     # Blender has no array of these.
     place = system.co_hair
     keys = np.array([place(thing, particle_no=i, step=step) for i in range(first, last) for step in range(steps)])
-    world = np.linalg.inv(np.array(thing.matrix_world))
+    world = np.linalg.inv(own)
     points = (keys @ world[:3, :3].T + world[:3, 3]).reshape(count, steps, 3)
     lengths = np.linalg.norm(np.diff(points, axis=1), axis=2)
     used = np.concatenate((np.ones((count, 1), dtype=bool), lengths > 0.0), axis=1)
@@ -258,7 +262,7 @@ def hair_of(thing: Any, matrix: NDArray[np.float64], depsgraph: Any, notices: li
     if thing.type == "CURVES":
         bodies = of_curves(thing.data, thing.name, notices)
     for system in systems_of(thing, depsgraph):
-        body = of_system(thing, system, depsgraph)
+        body = of_system(thing, system, depsgraph, notices)
         bodies += [] if body is None else [body]
     slots = materials_of(thing, depsgraph) or [None]
     out = []

@@ -65,6 +65,9 @@ class Body:
     numbers: list[int] = field(default_factory=list)
 
     def add(self, number: int, matrix: NDArray[np.float64]) -> None:
+        """One more place; what has none is nowhere."""
+        if not np.isfinite(matrix).all():
+            return
         self.numbers.append(number)
         self.matrices.append(matrix)
 

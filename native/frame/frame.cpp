@@ -45,6 +45,7 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
     view.media = out.media.views;
     view.seen_media = view.media.first(content_.seen_media);
     view.extinctions = content_.lighting.extinctions();
+    view.first_hair = view.extinctions.size() - std::min(view.extinctions.size(), content_.strands.size());
     view.grey = content_.grey;
     view.sorted = view.surfaces.sheets.scene != nullptr;
     view.background = background_;
@@ -62,8 +63,6 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
 void Frame::see_strands(const Camera &camera, int width, int height, double reach, Views &views) const {
     prepared_->arena.execute([&] { views.strands = seen_strands(content_.strands, camera, width, height, reach); });
     views.frame.strands = views.strands.view();
-    const std::size_t bodies = content_.lighting.bodies().size();
-    views.frame.strands.first_body = static_cast<std::int32_t>(bodies - std::min(bodies, content_.strands.size()));
     views.frame.sorted = views.frame.sorted || !views.frame.strands.empty();
 }
 

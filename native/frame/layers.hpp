@@ -35,6 +35,7 @@ struct FrameView {
     std::span<const MediumView> seen_media; // by the camera: the first of them
     ParticlesView particles;
     bool sorted = false;                    // whether anything else than grids may lie before a surface
+    std::size_t first_hair = 0;             // among the bodies: hair is in other renderers' pictures, too
     std::span<const glm::vec3> extinctions; // of all bodies that have light maps
     bool grey = true;                       // all of these are: one march serves all colours
     StrandsView strands;

@@ -44,46 +44,37 @@ inline Real visibility(const RayScene &solids, const vec3 &point, const Towards 
     return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
 }
 
-// What sheets let through of the light that comes to `point`, in each colour; all where none is asked.
-inline vec3 past_sheets(const SurfaceView &surfaces, const RayScene &sheets, const vec3 &point, const Towards &towards,
-                        Mask asked) {
-    std::vector<Hit> hits;
-    all_hits(surfaces.places, sheets, point, towards.direction, towards.distance, asked, hits);
-    alignas(64) float left[3][LANES];
-    std::fill_n(&left[0][0], 3 * LANES, 1.0F);
-    for (const Hit &hit : hits) {
-        const float *const through = transmittance_of(surfaces, hit);
-        for (int c = 0; c < 3; ++c) {
-            left[c][hit.lane] *= through[c];
-        }
-    }
-    return {Real::load_aligned(left[0]), Real::load_aligned(left[1]), Real::load_aligned(left[2])};
-}
-
-// What the smoke lets through from a light to a point: the mean over the light's samples, by what each brings.
-inline void smoke_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, Real out[3]) {
+// What hair lets through from a light to a point, and of that what smoke and particles do: the mean over the light's
+// samples, by what each brings.
+inline void media_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, Real past_hair[3],
+                                Real past_smoke[3]) {
     const int colours = frame.grey ? 1 : 3;
     const std::size_t bodies = frame.extinctions.size();
     constexpr float NOTHING = 1e-12F; // what none of them shines at has a plain mean
-    Real sum[3] = {0.0F, 0.0F, 0.0F}, all = 0.0F;
+    Real sum[3] = {0.0F, 0.0F, 0.0F}, hair[3] = {0.0F, 0.0F, 0.0F}, all = 0.0F;
     for (std::size_t j = 0; j < light.samples.size(); ++j) {
         const Real share = sample_share(light, light.samples[j], point) + NOTHING;
         all = all + share;
-        Real depth[3] = {0.0F, 0.0F, 0.0F};
+        Real smoke[3] = {0.0F, 0.0F, 0.0F}, strands[3] = {0.0F, 0.0F, 0.0F};
         for (std::size_t m = 0; m < bodies; ++m) {
             const LightMapView &map = light.maps[j * bodies + m];
             if (map.empty()) {
                 continue;
             }
             const vec3 place = place_on(map, point);
-            add_optical_depth(map, locate(map, place.x, place.y), place, &frame.extinctions[m].x, colours, depth);
+            add_optical_depth(map, locate(map, place.x, place.y), place, &frame.extinctions[m].x, colours,
+                              m < frame.first_hair ? smoke : strands);
         }
         for (int c = 0; c < colours; ++c) {
-            sum[c] = sum[c] + share * RaysText().transmittance_of(depth[c]);
+            const Real left = frame.first_hair < bodies ? share * RaysText().transmittance_of(strands[c]) : share;
+            hair[c] = hair[c] + left;
+            sum[c] = sum[c] + left * RaysText().transmittance_of(smoke[c]);
         }
     }
     for (int c = 0; c < 3; ++c) {
-        out[c] = sum[c < colours ? c : 0] / all;
+        const int from = c < colours ? c : 0;
+        past_hair[c] = hair[from] / all;
+        past_smoke[c] = sum[from] / max(hair[from], 1e-30F);
     }
 }
 
@@ -186,7 +177,8 @@ inline Passing passing(const Between &between, const Surface &surface, const vec
     Passing out;
     out.visible = visible;
     if (between.tinted()) {
-        out.tint = past_sheets(*between.surfaces, between.sheets, start, towards, asked & (visible > 0.0F));
+        out.tint = past_sheets(*between.surfaces, between.sheets, start, towards.direction, towards.distance,
+                               asked & (visible > 0.0F));
     }
     return out;
 }
@@ -415,11 +407,12 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
             alone = light_past_solids(frame, packet, surface, mirrors, catchers, light, start, packed);
         }
         const bool tinted = between.tinted();
+        Real past_hair[3], through[3];
+        media_transmittance(frame, light, point, past_hair, through);
         const auto left = [&](Real seen, const Passing &passed, int colour) {
-            return tinted ? seen * component(passed.tint, colour) : seen;
+            const Real arrives = seen * past_hair[colour];
+            return tinted ? arrives * component(passed.tint, colour) : arrives;
         };
-        Real through[3];
-        smoke_transmittance(frame, light, point, through);
         const vec3 spread = radiance ? over_lamberts(surface, light, start, -ray.direction) : vec3(0.0F, 0.0F, 0.0F);
         for (int c = 0; c < 3; ++c) {
             if (radiance) {

@@ -6,6 +6,7 @@
 #include "lights/lights_lanes.hpp"
 #include "maps/sampling.hpp"
 #include "rays/bins_lanes.hpp"
+#include "solids/all_hits_lanes.hpp"
 #include "solids/hits_lanes.hpp"
 #include "text/camera_text.hpp"
 #include "text/rays_text.hpp"
@@ -30,8 +31,9 @@ constexpr float EVEN_SHARE = 0.46F;
 
 // Where a packet's samples lie in the picture.
 struct Samples {
-    Real x, y, left, per_diameter; // left: of what lies behind the fragments so far
+    Real x, y, left, per_diameter; // left: of what lies behind the fragments so far, of which `last` is the farthest
     float reach;
+    Real last = 0.0F;
 };
 
 // The share of a sample's surroundings on one side of a line that is `beyond` pixels away.
@@ -109,20 +111,30 @@ Mask reached(const Shaded &shaded, const LightView &light) {
     return shaded.active & (Real::load_aligned(lit) > 0.0F);
 }
 
-// What solids leave of a light, asked for one of its points.
-Real past_solids(const LightView &light, const Shaded &shaded, Mask asked) {
-    if (light.solids.scene == nullptr || !xsimd::any(asked)) {
-        return 1.0F;
+// What solids and sheets leave of a light, in each colour, asked for one of its points.
+vec3 past_solids(const FrameView &frame, const LightView &light, const Shaded &shaded, Mask asked) {
+    vec3 left{1.0F, 1.0F, 1.0F};
+    if ((light.solids.scene == nullptr && light.sheets.scene == nullptr) || !xsimd::any(asked)) {
+        return left;
     }
     const Towards towards = sample_towards(light, shaded.point, shaded.light_u, shaded.light_v);
     const vec3 &p = shaded.point;
     const Real offset = 4e-6F * max(max(abs(p.x), abs(p.y)), abs(p.z)) + 1e-6F;
-    typename Rays<LANES>::Ray rays;
-    set_rays(rays, p, towards.direction, offset, towards.distance);
-    alignas(64) int valid[LANES];
-    valid_lanes(asked, valid);
-    Rays<LANES>::occluded(valid, light.solids.scene, false, rays);
-    return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
+    if (light.solids.scene != nullptr) {
+        typename Rays<LANES>::Ray rays;
+        set_rays(rays, p, towards.direction, offset, towards.distance);
+        alignas(64) int valid[LANES];
+        valid_lanes(asked, valid);
+        Rays<LANES>::occluded(valid, light.solids.scene, false, rays);
+        const Real visible = pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
+        left = {visible, visible, visible};
+        asked = asked & (visible > 0.0F);
+    }
+    if (light.sheets.scene != nullptr) {
+        left = left * past_sheets(frame.surfaces, light.sheets, p + towards.direction * offset, towards.direction,
+                                  towards.distance, asked);
+    }
+    return left;
 }
 
 // What is sent of light from a direction, of irradiance 1.
@@ -190,7 +202,7 @@ vec3 lit(const FrameView &frame, const Shaded &shaded, const StrandsText::Strand
                 }
                 const vec3 place = place_on(map, shaded.point);
                 add_optical_depth(map, locate(map, place.x, place.y), place, &frame.extinctions[m].x, colours, depth);
-                const auto own = static_cast<std::int32_t>(m) - frame.strands.first_body;
+                const auto own = static_cast<std::int32_t>(m) - static_cast<std::int32_t>(frame.first_hair);
                 if (own >= 0) {
                     const Real less = own_depth(map, shaded, own);
                     for (int c = 0; c < colours; ++c) {
@@ -203,9 +215,9 @@ vec3 lit(const FrameView &frame, const Shaded &shaded, const StrandsText::Strand
                 of_light[c] = of_light[c] + each[c] * RaysText().transmittance_of(depth[c < colours ? c : 0]);
             }
         }
-        const Real visible = pick(asked, past_solids(light, shaded, asked), 0.0F);
+        const vec3 visible = past_solids(frame, light, shaded, asked);
         for (int c = 0; c < 3; ++c) {
-            sum[c] = sum[c] + of_light[c] * (visible * light.strength[c]);
+            sum[c] = sum[c] + pick(asked, of_light[c] * (visible[c] * light.strength[c]), 0.0F);
         }
     }
     return sum;
@@ -234,13 +246,16 @@ public:
         for_primitives(frame_.strands.bins, samples.x, samples.y, active, [&](std::int32_t number) {
             const StrandSegment &segment = frame_.strands.segments[number];
             const Seen here = seen(segment, samples);
-            const Mask met = active & (here.cover > LEAST_COVER) & (here.distance < end) & (samples.left > HIDDEN);
-            if (!xsimd::any(met)) {
-                return true;
+            const Mask met = active & (here.cover > LEAST_COVER) & (here.distance < end) &
+                             ((samples.left > HIDDEN) | (here.distance < samples.last));
+            if (xsimd::any(met)) {
+                wait(segment, here, met);
+                samples.left = samples.left * (1.0F - pick(met, here.cover, 0.0F));
+                samples.last = pick(met, max(samples.last, here.distance), samples.last);
             }
-            wait(segment, here, met);
-            samples.left = samples.left * (1.0F - pick(met, here.cover, 0.0F));
-            return xsimd::any(active & (samples.left > HIDDEN));
+            // Segments come by their nearer ends: what hides at its far end may have others before it.
+            const float begins = std::min(segment.from_distance, segment.to_distance);
+            return xsimd::any(active & ((samples.left > HIDDEN) | (samples.last > begins)));
         });
         shade();
         (1.0F - samples.left).store_aligned(layers_.fine);

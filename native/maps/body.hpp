@@ -26,6 +26,7 @@ struct Body {
     glm::vec3 extinction{0.0F}; // per unit of column density
     Visibility visibility;
     bool takes_light = true; // else it only glows, and no light is asked about it
+    bool scatters = true;    // else no light is asked what it is worth in it: hair
     // What its columns are made of; and a plan's map of them. Both may be called on any thread, at any later time.
     std::function<void(Key &)> identify;
     std::function<LightMap(LightMap plan, const InstructionSet &with)> project;

@@ -59,9 +59,11 @@ void LightParts::end_round() {
 
 Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples)
     : bodies_(std::move(bodies)) {
-    double cell = bodies_.empty() ? 0.0 : bodies_.front().cell_size;
+    double cell = 0.0; // of the finest body that lights are asked about
     for (const Body &body : bodies_) {
-        cell = std::min(cell, body.cell_size);
+        if (body.scatters) {
+            cell = cell > 0.0 ? std::min(cell, body.cell_size) : body.cell_size;
+        }
         extinctions_.push_back(body.extinction);
     }
     for (const Light &light : lights) {
@@ -83,8 +85,9 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, cons
 void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
                           LightParts &parts) {
     std::size_t maps = 0;
+    const auto casters = std::count_if(bodies_.begin(), bodies_.end(), [](const Body &b) { return b.takes_light; });
     for (const std::vector<glm::vec3> &samples : samples_) {
-        maps += samples.size() * bodies_.size();
+        maps += samples.size() * static_cast<std::size_t>(casters);
     }
     constexpr double MOST_FLOATS = 1 << 28; // of all maps: a gibibyte
     for (std::size_t i = 0; i < views_.size(); ++i) {

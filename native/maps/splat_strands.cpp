@@ -167,7 +167,7 @@ Body body_of(const Strands &strands) {
     for (std::size_t i = 0; i < shape.points.size(); ++i) {
         // A smooth curve may leave the box of its keys by an eighth of their distance.
         const double around =
-            double{shape.radius[i]} +
+            double{shape.radius[i]} + 1e-6 * (1.0 + glm::length(glm::dvec3(shape.points[i]))) + // a box is never flat
             (i > 0 && shape.smooth ? 0.25 * glm::distance(glm::dvec3(shape.points[i]), glm::dvec3(shape.points[i - 1]))
                                    : 0.0);
         low = glm::min(low, glm::dvec3(shape.points[i]) - around);
@@ -180,6 +180,7 @@ Body body_of(const Strands &strands) {
     body.cells_to_world = glm::scale(glm::translate(glm::dmat4(1.0), low), glm::dvec3(body.cell_size));
     body.extinction = glm::vec3(1.0F);
     body.visibility = strands.visibility;
+    body.scatters = false;
     XXH3_state_t state;
     XXH3_128bits_reset(&state);
     XXH3_128bits_update(&state, shape.points.data(), shape.points.size() * sizeof(glm::vec3));

@@ -39,7 +39,10 @@ void add_body(const Particles &particles, Puffs &out) {
     double cross_section = 0.0, widths = 0.0, depths = 0.0, discs = 0.0;
     for (std::size_t i = 0; i < particles.points.size(); ++i) {
         const float radius = particles.radius[i], depth = RaysText().optical_depth_of(particles.opacity[i]);
-        if (!(radius > 0.0F && depth > 0.0F)) {
+        // What is smaller than a place's own rounding has no size.
+        const glm::vec3 far = glm::abs(particles.points[i]);
+        const float least = 1e-7F * std::max({1.0F, far.x, far.y, far.z});
+        if (!(radius > least && depth > 0.0F)) {
             continue;
         }
         out.puffs.push_back({particles.points[i], radius, depth});

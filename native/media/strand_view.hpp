@@ -36,7 +36,6 @@ struct StrandsView {
     const StrandRow *rows = nullptr;
     BinsView bins;
     float width = 0.0F, height = 0.0F; // of the picture
-    std::int32_t first_body = 0;       // of the strands, among all that have light maps
     [[nodiscard]] bool empty() const { return bins.columns == 0; }
 };
 

@@ -94,6 +94,70 @@ def test_what_is_nearer_hides() -> None:
     assert lamplit(hair_at=1.0)[1] > 0.1 and lamplit(hair_at=1.0)[0] < 0.02
 
 
+def test_what_is_nearer_only_here_hides_too() -> None:
+    """A strand that begins nearer to the eye, and is opaque, but lies behind another one in the middle."""
+    scene = sfumato.Scene()
+    scene.add_sun((0, 0, -1), (3, 3, 3))
+    points = [[-15, 0, 40], [15, 0, -40], [-15, 0.01, 10], [15, 0.01, 10]]
+    matt = [[0.5, 0, 0, 0, 0, 0, 0.3], [0, 0.5, 0, 0, 0, 0, 0.3]]
+    scene.add_strands(points, [1.5] * 4, [0, 2, 4], matt=matt, material=[0, 1], smooth=False)
+    picture: Array = sfumato.Frame(scene).render(camera(), SIZE, SIZE, edge_samples=1)
+    red, green, _, alpha = picture[SIZE // 2, SIZE // 2]
+    assert alpha > 0.99 and green > 20.0 * red, picture[SIZE // 2, SIZE // 2]
+
+
+def test_a_pane_dims_the_hair_behind_it() -> None:
+    seen = []
+    for left in (1.0, 0.1):
+        scene = sfumato.Scene()
+        scene.add_sun((0, 0, -1), (3, 3, 3))
+        points, radius = line((-20.0, 0.0, 0.0), (20.0, 0.0, 0.0), 4.0)
+        scene.add_strands(points, radius, [0, 2], matt=[[0.5, 0.5, 0.5, 0, 0, 0, 0.3]])
+        corners = [[-90, -90, 70], [90, -90, 70], [90, 90, 70], [-90, 90, 70]]  # behind the eye
+        if left < 1.0:
+            scene.add_mesh(
+                corners, [[0, 1, 2], [0, 2, 3]], [[[0, 0, 1]] * 3] * 2, [0, 0], [[0, 0, 0]], transmittance=[[left] * 3]
+            )
+        seen.append(sfumato.Frame(scene).render(camera(), SIZE, SIZE, edge_samples=1)[SIZE // 2, SIZE // 2, 0])
+    assert seen[1] / seen[0] == pytest.approx(0.1, rel=1e-3)
+
+
+def test_the_shadow_of_hair_is_not_the_smokes() -> None:
+    """It is in other renderers' pictures, too."""
+    shadows = {}
+    for hair in (False, True):
+        scene = sfumato.Scene()
+        scene.add_sun((0.6, 0, -1), (3, 3, 3))
+        corners = [[-20, -20, -8], [20, -20, -8], [20, 20, -8], [-20, 20, -8]]
+        scene.add_mesh(corners, [[0, 1, 2], [0, 2, 3]], [[[0, 0, 1]] * 3] * 2, [0, 0], [[0.5] * 3])
+        if hair:
+            points, radius = line((-4.8, -20.0, 0.0), (-4.8, 20.0, 0.0), 2.0)
+            scene.add_strands(points, radius, [0, 2])
+        frame = sfumato.Frame(scene)
+        passes = frame.passes(camera(), SIZE, SIZE, ["smoke_shadow"], edge_samples=1)
+        lit = frame.surfaces(camera(), SIZE, SIZE)[SIZE // 2, SIZE // 2, 0]
+        shadows[hair] = lit, passes["smoke_shadow"][SIZE // 2, SIZE // 2].min()
+    assert shadows[True][0] < 0.9 * shadows[False][0]
+    assert shadows[True][1] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("at", [[0.0, 0.0, 0.0], [900.0, 900.0, 900.0]])
+def test_what_has_no_extent_does_no_harm(at: list[float]) -> None:
+    for lamp in ("sun", "point"):
+        scene = sfumato.Scene()
+        if lamp == "sun":
+            scene.add_sun((0, 0, -1), (3, 3, 3))
+        else:
+            scene.add_point((1, 2, 30), (3, 3, 3), 0.1)
+        scene.add_strands([at, at, [at[0], at[1] + 1.0, at[2]]], [0.0] * 3, [0, 2, 3], smooth=False)
+        scene.add_strands([at, [at[0] + 1.0, at[1], at[2]]], [0.0] * 2, [0, 2], smooth=False)
+        scene.add_particles([at], 1e-20, 0.5)
+        scene.add_particles([at], 2e-5, 0.5)
+        corners = [[-20, -20, -8], [20, -20, -8], [20, 20, -8], [-20, 20, -8]]
+        scene.add_mesh(corners, [[0, 1, 2], [0, 2, 3]], [[[0, 0, 1]] * 3] * 2, [0, 0], [[0.5] * 3])
+        assert np.isfinite(sfumato.Frame(scene).render(camera(), SIZE, SIZE, edge_samples=1)).all()
+
+
 def test_a_matt_strand_is_lambert_s_cylinder() -> None:
     """Lit from the eye, in its middle: albedo over pi of the irradiance."""
     assert lamplit(hair_at=1.0)[1] == pytest.approx(3.0 * 0.5 / np.pi, rel=0.05)

@@ -196,6 +196,9 @@ def test_what_is_shown_otherwise_is_named_once() -> None:
     made.scale = (1.0, 1.0, 2.0)
     said = exported()
     assert len(said) == 2 and any("Kajiya" in line for line in said) and any("uneven" in line for line in said), said
+    made.scale = (1.0, 1.0, 0.0)
+    said = exported()
+    assert len(said) == 1 and "leaves its hair no place" in said[0], said
     made.modifiers[0].show_viewport = False
     assert not exported()
 
