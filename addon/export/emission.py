@@ -95,16 +95,21 @@ def emitters_of(thing: Any, depsgraph: Any, notices: list[str]) -> tuple[Emitter
     """What the volume shaders of an object's material emit, by grid."""
     found: list[Emitter] = []
     for node in materials.volume_shaders(thing, depsgraph):
-        if node.type == "EMISSION":
-            found += _glow(node, "Strength", "Color", thing.name, notices)
-        elif node.type == "PRINCIPLED_VOLUME":
-            found += _glow(node, "Emission Strength", "Emission Color", thing.name, notices)
-            found += _blackbody(node, thing.name, notices)
+        found += of_shader(node, thing.name, notices)
     if compat.constants_fill_more() and any(not emitter.attribute for emitter in found):
         notices.append(
             f"{thing.name}: it emits the same everywhere; around its smoke that fills less than in Cycles of this Blender"
         )
     return merged(found)
+
+
+def of_shader(node: Any, name: str, notices: list[str]) -> list[Emitter]:
+    """What one volume shader emits."""
+    if node.type == "EMISSION":
+        return _glow(node, "Strength", "Color", name, notices)
+    if node.type == "PRINCIPLED_VOLUME":
+        return _glow(node, "Emission Strength", "Emission Color", name, notices) + _blackbody(node, name, notices)
+    return []
 
 
 def _glow(node: Any, strength: str, colour: str, name: str, notices: list[str]) -> list[Emitter]:

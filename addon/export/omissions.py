@@ -7,6 +7,7 @@ Looks at what is cheap to look at: a scene at its defaults costs next to nothing
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 from typing import Any
 
 import bpy
@@ -109,6 +110,20 @@ def _looks_through(space: Any) -> bool:
 def of_copy(thing: Any, glows: bool, notices: list[str]) -> None:
     """What an object is set to that shares its mesh with another."""
     of("object", thing, thing.name, notices, "GLOWING" if glows else "DARK")
+
+
+_PASSES_OF_SURFACES = ("z", "mist", "position", "normal", "object_index", "material_index", "shadow")
+
+
+def of_hair(names: Iterable[str], depsgraph: Any, over_smoke: bool, notices: list[str]) -> None:
+    """What is not done for hair: in passes; and in a view whose hair Blender draws, where there is smoke."""
+    layer = depsgraph.view_layer_eval
+    asked = depsgraph.mode == "RENDER" and any(getattr(layer, f"use_pass_{name}") for name in _PASSES_OF_SURFACES)
+    for name in names:
+        if asked:
+            notices.append(f"{name}: passes tell of what is behind its hair")
+        if over_smoke:
+            notices.append(f"{name}: its hair does not hide the smoke behind it here")
 
 
 def of_pane(name: str, found: list[Any], space: Any, notices: list[str]) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .. import props
 from ..limits import MOST_SPHERES
-from . import materials, surfaces, visibility
+from . import emission, materials, surfaces, visibility
 from .known.objects import POINTS
 
 Floats = NDArray[np.float32]
@@ -269,6 +269,8 @@ def volume_look(material: Any, name: str, notices: list[str]) -> Look | None:
     if shader is None or shader.mute:
         return None
     smoke = materials.of_points(shader, name, notices)
+    if emission.of_shader(shader, name, []):
+        notices.append(said(name, "dark"))
     if smoke.tint or smoke.attribute not in {"", "density"}:
         notices.append(said(name, "alike", value=smoke.tint or smoke.attribute))
     most = float(smoke.extinction.max())

@@ -212,6 +212,12 @@ def export(
         except ValueError as error:
             out.notices.append(f"{each.name}: {error}")
     add_media(out, [(name, medium, smoke_seen.get(number)) for number, name, medium in media])
+    omissions.of_hair(
+        dict.fromkeys(each.name for _, each in strands),
+        depsgraph,
+        smoke_alone and bool(media or points.bodies),
+        out.notices,
+    )
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:
         world = materials.background(depsgraph, looks) if layer.use_sky else (0.0, 0.0, 0.0)
@@ -334,9 +340,7 @@ def add_points(out: Export, points: particles.Particles, parts: Parts, seen: See
                 particles.add_puffs(out.scene, body, which, kind, out.notices)
                 continue
             if body.is_uneven(which):
-                out.notices.append(
-                    f"{body.name}: its uneven scale makes true ellipsoids of its points, unlike in Cycles"
-                )
+                out.notices.append(particles.said(body.name, "uneven"))
             places = body.spheres(which)
             numbers = list(range(len(places)))
             indices = [body.object_index] * len(places)

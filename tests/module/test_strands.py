@@ -98,7 +98,7 @@ def test_what_is_nearer_only_here_hides_too() -> None:
     """A strand that begins nearer to the eye, and is opaque, but lies behind another one in the middle."""
     scene = sfumato.Scene()
     scene.add_sun((0, 0, -1), (3, 3, 3))
-    points = [[-15, 0, 40], [15, 0, -40], [-15, 0.01, 10], [15, 0.01, 10]]
+    points = np.array([[-15, 0, 40], [15, 0, -40], [-15, 0.01, 10], [15, 0.01, 10]])
     matt = [[0.5, 0, 0, 0, 0, 0, 0.3], [0, 0.5, 0, 0, 0, 0, 0.3]]
     scene.add_strands(points, [1.5] * 4, [0, 2, 4], matt=matt, material=[0, 1], smooth=False)
     picture: Array = sfumato.Frame(scene).render(camera(), SIZE, SIZE, edge_samples=1)

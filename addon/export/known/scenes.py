@@ -147,7 +147,10 @@ CYCLES_CURVES = Struct(
     "CyclesCurveRenderSettings",
     "scene",
     "cycles_curves",
-    idle={"details of hair, which objects name": "shape subdivisions"},
+    idle={
+        "how finely Cycles cuts hair, and whether it is flat: ours is round, and as smooth as the picture": "shape "
+        "subdivisions"
+    },
 )
 
 _PASSES = {
@@ -206,6 +209,7 @@ VIEW_LAYER = Struct(
         "use_pass_z use_pass_mist use_pass_position use_pass_normal use_pass_object_index use_pass_material_index "
         "use_pass_shadow",
         "the alpha from which on passes tell of a surface": "pass_alpha_threshold",
+        "hair": "use_strand",
     },
     named=(
         Named("aovs", (0,), "these passes are not made, and stay out of the file: the AOV '…'", only=RENDER,
@@ -219,7 +223,6 @@ VIEW_LAYER = Struct(
         _EEVEE: "eevee use_ao",
         _FREESTYLE: "use_freestyle freestyle_settings",
         "details of passes, which are named": "pass_cryptomatte_depth use_pass_cryptomatte_accurate",
-        "hair, which objects name": "use_strand",
         _MOTION: "use_motion_blur",
         "grease pencil, which Blender draws": "use_grease_pencil use_pass_grease_pencil",
         _INTERFACE: "active_aov active_aov_index active_lightgroup active_lightgroup_index active_layer_collection "

@@ -80,7 +80,7 @@ TRIED_IN = {
     "AreaLight.use_shadow CyclesLightSettings.cast_shadow ViewLayer.material_override ViewLayer.world_override "
     "ViewLayer.use_solid ViewLayer.use_volumes ViewLayer.use_sky LayerCollection.holdout LayerCollection.indirect_only",
     "transparent.py": "ViewLayer.pass_alpha_threshold",
-    "hair.py": "Object.particle_systems",
+    "hair.py": "Object.particle_systems ViewLayer.use_strand",
     "pixel_filter.py": "CyclesRenderSettings.pixel_filter_type CyclesRenderSettings.filter_width",
     "several_views.py": "RenderSettings.use_multiview RenderSettings.views RenderSettings.stereo_views "
     "RenderSettings.views_format Camera.stereo",

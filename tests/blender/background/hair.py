@@ -11,6 +11,7 @@ import numpy as np
 import pictures
 from mathutils import Vector
 from numpy.typing import NDArray
+from sfumato.export import parts
 from sfumato.export import scene as export
 
 SIZE = (96, 96)
@@ -201,6 +202,15 @@ def test_what_is_shown_otherwise_is_named_once() -> None:
     assert len(said) == 1 and "leaves its hair no place" in said[0], said
     made.modifiers[0].show_viewport = False
     assert not exported()
+
+
+def test_a_view_layer_may_leave_hair_out() -> None:
+    stage()
+    ball(20, hair_material(Melanin=0.8))
+    for shown in (True, False):
+        bpy.context.view_layer.use_strand = shown
+        out = export.export(bpy.context.evaluated_depsgraph_get())
+        assert export.made_of(out, bpy.context.scene, parts.Parts()).sorted == shown
 
 
 harness.main()
