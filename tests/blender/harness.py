@@ -49,6 +49,16 @@ class Skip(Exception):
     """Raised by a test that has nothing to test here; the message says why."""
 
 
+def black_world() -> bpy.types.World:
+    """One that sends nothing. Since 5.0 new ones have a grey Background, whatever their colour; and without any world
+    Cycles 5.0.1 shows no smoke."""
+    world = bpy.data.worlds.new("Black")
+    world.color = (0.0, 0.0, 0.0)
+    if world.node_tree is not None:
+        world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+    return world
+
+
 def main() -> None:
     """Run the tests of the calling file, print a line for each and the totals, and quit Blender."""
     tests = {name: value for name, value in vars(sys.modules["__main__"]).items() if name.startswith("test_")}

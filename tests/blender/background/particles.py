@@ -343,10 +343,7 @@ def light() -> None:
         scene.collection.objects.link(thing)
     scene.camera = bpy.data.objects["Camera"]
     scene.camera.location = (0.0, -5.0 * math.sin(0.4), 5.0 * math.cos(0.4))
-    scene.world = bpy.data.worlds.new("Black")
-    scene.world.color = (0.0, 0.0, 0.0)
-    if scene.world.node_tree is not None:
-        scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+    scene.world = harness.black_world()
     scene.render.resolution_percentage = 100
 
 

@@ -66,10 +66,7 @@ def scene_of(density: float, anisotropy: float) -> tuple[list[Any], Any]:
         if data is camera:
             scene.camera = thing
             thing.location = (0.0, -5.0 * np.sin(1.0), 5.0 * np.cos(1.0))
-    scene.world = bpy.data.worlds.new("Black")  # without one, Cycles 5.0.1 shows no smoke
-    scene.world.color = (0.0, 0.0, 0.0)
-    if scene.world.node_tree is not None:
-        scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+    scene.world = harness.black_world()
     scene.render.resolution_percentage = 100
     cycles = scene.cycles
     cycles.max_bounces, cycles.volume_bounces, cycles.volume_step_rate, cycles.samples = 0, 0, 0.3, 128

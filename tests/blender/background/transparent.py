@@ -78,8 +78,7 @@ def stage(smoke: bool = False, lamp: str = "POINT") -> None:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     harness.enable()
     scene = bpy.context.scene
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.color = (0.0, 0.0, 0.0)
+    scene.world = harness.black_world()
     floor = link("Floor", quad("Floor", 4.0), (0.0, 0.0, 0.0))
     harness.shade(floor.data, "ShaderNodeBsdfDiffuse").inputs["Color"].default_value = (0.8, 0.7, 0.6, 1.0)
     light = bpy.data.lights.new("Lamp", lamp)
