@@ -185,6 +185,24 @@ def output() -> None:
     scene.cycles.samples = 64
 
 
+def look_at(focus: Vector, place: Vector, lens: float) -> None:
+    """Through a camera, into the dark."""
+    scene = bpy.context.scene
+    camera = bpy.data.cameras.new("Camera")
+    camera.lens = lens
+    scene.camera = add("Camera", camera, place, (focus - place).to_track_quat("-Z", "Y").to_euler())
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+
+
+def save(name: str) -> None:
+    """As NAME.blend, with nothing in it of whoever made it."""
+    forget_home()
+    bpy.context.preferences.filepaths.save_version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=str(HERE / f"{name}.blend"), compress=True)
+
+
 def forget_home() -> None:
     """Factory settings put the folder of whoever runs this into the file browsers; a file to share has none."""
     for screen in bpy.data.screens:
@@ -205,9 +223,7 @@ def main() -> None:
     view_and_light()
     output()
     bpy.context.scene.frame_set(STILL_FRAME)
-    forget_home()
-    bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=str(HERE / "plume.blend"), compress=True)
+    save("plume")
 
 
 if __name__ == "__main__":

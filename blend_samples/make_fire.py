@@ -18,7 +18,7 @@ from mathutils import Vector
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
-from make import add, forget_home, material, named  # noqa: E402
+from make import add, material, named, save  # noqa: E402
 
 CACHE = HERE / "fire_cache"
 STILL_FRAME = 16
@@ -150,9 +150,7 @@ def main() -> None:
     scene = bpy.context.scene
     scene.frame_start = scene.frame_end = STILL_FRAME
     scene.frame_set(STILL_FRAME)
-    forget_home()
-    bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=str(HERE / "fire.blend"), compress=True)
+    save("fire")
 
 
 if __name__ == "__main__":

@@ -117,30 +117,17 @@ def smoke() -> None:
     wisp.scale = (0.75, 0.75, 0.75)
 
 
-def view() -> None:
-    scene = bpy.context.scene
-    camera = bpy.data.cameras.new("Camera")
-    camera.lens = 40.0
-    scene.camera = make.add("Camera", camera, CAMERA, (FOCUS - CAMERA).to_track_quat("-Z", "Y").to_euler())
-    world = bpy.data.worlds.new("World")
-    world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
-    scene.world = world
-
-
 def main() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     things()
     lamps()
     meshes_that_shine()
     smoke()
-    view()
+    make.look_at(FOCUS, CAMERA, 40.0)
     make.output()
     bpy.context.scene.frame_end = 1
     bpy.context.scene.render.filepath = "//out/gallery"
-    make.forget_home()
-    bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=str(HERE / "gallery.blend"), compress=True)
+    make.save("gallery")
 
 
 if __name__ == "__main__":

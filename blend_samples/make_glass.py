@@ -100,14 +100,7 @@ def light_and_view() -> None:
     lamp.energy, lamp.size, lamp.color = 60.0, 0.4, (0.7, 0.82, 1.0)
     place = Vector((1.9, 1.6, 2.2))
     make.add("Lamp", lamp, place, (FOCUS - place).to_track_quat("-Z", "Y").to_euler())
-    scene = bpy.context.scene
-    camera = bpy.data.cameras.new("Camera")
-    camera.lens = 50.0
-    scene.camera = make.add("Camera", camera, CAMERA, (FOCUS - CAMERA).to_track_quat("-Z", "Y").to_euler())
-    world = bpy.data.worlds.new("World")
-    world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
-    scene.world = world
+    make.look_at(FOCUS, CAMERA, 50.0)
 
 
 def main() -> None:
@@ -118,9 +111,7 @@ def main() -> None:
     make.output()
     bpy.context.scene.frame_end = 1
     bpy.context.scene.render.filepath = "//out/glass"
-    make.forget_home()
-    bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=str(HERE / "glass.blend"), compress=True)
+    make.save("glass")
 
 
 if __name__ == "__main__":

@@ -46,9 +46,7 @@ def end(name: str, camera: Vector, target: Vector, sun: Vector = SUN) -> None:
     scene.frame_start = scene.frame_end = 1
     scene.render.filepath = f"//out/{name}"
     scene.frame_set(1)
-    make.forget_home()
-    bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=str(HERE / f"{name}.blend"), compress=True)
+    make.save(name)
 
 
 def risen(count: int) -> NDArray[np.float64]:
