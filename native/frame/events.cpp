@@ -6,8 +6,6 @@
 namespace sfumato {
 namespace {
 
-constexpr float OPAQUE_LEFT = 1e-5F; // of what such a share is left, nothing is seen
-
 Fragment together(const Fragment &near, const Fragment &far) {
     return {near.distance, near.radiance + near.left * far.radiance, near.left * far.left};
 }

@@ -14,6 +14,9 @@
 
 namespace sfumato {
 
+// Of what such a share is left, nothing is seen.
+constexpr float OPAQUE_LEFT = 1e-5F;
+
 // Of what has no extent along a ray.
 struct Fragment {
     float distance = 0.0F;    // from where the ray starts, metres

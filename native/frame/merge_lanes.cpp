@@ -17,8 +17,6 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
-// What stretches that take up to this let through at their end is nothing.
-constexpr float NOTHING_LEFT = 1e-5F;
 constexpr float ENDLESS = std::numeric_limits<float>::max();
 
 Real mean_left(Real depth) {
@@ -164,7 +162,7 @@ private:
         for (int c = 0; c < 3; ++c) {
             most = max(most, left_[c] * past_slices_.in(c));
         }
-        return highest(most) < NOTHING_LEFT;
+        return highest(most) < OPAQUE_LEFT;
     }
     static Real row_of(const std::vector<float> &rows, int row) {
         return Real::load_unaligned(rows.data() + static_cast<std::ptrdiff_t>(row) * MAX_LANES);

@@ -9,8 +9,6 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
-constexpr float OPAQUE_LEFT = 1e-5F; // of what such a share is left, nothing is seen
-
 // The hits of all lanes in order of depth: the first of each, then the second.
 class Ranks {
 public:
