@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,37 +35,47 @@ def fire_of(
     nothing does. Between cells the values are mixed, or what they emit."""
     top = max(float(values.max()), 0.0)
     shares = np.linspace(0.0, 1.0, ROWS)
+    to_glow, emission_of = _by_power(emitter, top) if mixed and top > 0.0 else _by_value(emitter, top)
     if not emitter.of(np.zeros(1)).any() or not filled.any():
-        emission = emitter.of(shares * top)
+        emission = emission_of(shares)
         emission[0] = 0.0
         if not emission.any():
             return None
-        glow = np.maximum(values, 0.0, dtype=np.float32) / np.float32(top)
-        if mixed:
-            glow, emission = _by_power(glow, emitter, top)
+        glow = to_glow(np.maximum(values, 0.0, dtype=np.float32) / np.float32(top))
         glow[glow < _FAINT] = 0.0
         return Fire(np.minimum(glow, np.float32(1.0)), emission)
-    # The first half of the rows leads from the outside, which is black, to the value 0.
+    # The first half of the rows leads from the outside, which is black, to the value 0, which has a row of its own.
     if top == 0.0:
         return Fire(filled.astype(np.float32), np.stack((np.zeros(3), emitter.of(np.zeros(1))[0])))
-    emission = emitter.of(np.maximum(2.0 * shares - 1.0, 0.0) * top) * np.minimum(2.0 * shares, 1.0)[:, None]
-    inside = 0.5 + 0.5 * np.clip(values, 0.0, top) / np.float32(top)
+    shares = np.linspace(0.0, 1.0, ROWS - 1)
+    emission = emission_of(np.maximum(2.0 * shares - 1.0, 0.0)) * np.minimum(2.0 * shares, 1.0)[:, None]
+    inside = 0.5 + 0.5 * to_glow(np.clip(values, 0.0, top) / np.float32(top))
     return Fire(np.where(filled, inside, 0.0).astype(np.float32), emission)
 
 
-def _by_power(shares: NDArray[np.float32], emitter: Emitter, top: float) -> tuple[NDArray[np.float32], Array]:
-    """A glow that is linear in the sum of what is emitted, of shares of the highest value, and its emission. The colour
-    between two cells is that of one value, not of a mixture."""
+# What a share of the highest value glows, and what a glow emits.
+_Scale = tuple[Callable[[NDArray[np.float32]], NDArray[np.float32]], Callable[[Array], Array]]
+
+
+def _by_value(emitter: Emitter, top: float) -> _Scale:
+    return lambda shares: shares, lambda glow: emitter.of(glow * top)
+
+
+def _by_power(emitter: Emitter, top: float) -> _Scale:
+    """A glow that is linear in the sum of what is emitted. The colour between two cells is that of one value, not of a
+    mixture."""
     finely = np.linspace(0.0, 1.0, 4096)
-    power = emitter.of(finely * top).sum(axis=1)
-    power[0] = 0.0
-    power = np.maximum.accumulate(power) / power.max()
-    rows = np.linspace(0.0, 1.0, ROWS)
-    emission = emitter.of(np.interp(rows, power, finely) * top)
-    wanted = rows * emission[-1].sum()
-    emission *= (wanted / np.maximum(emission.sum(axis=1), 1e-30))[:, None]
-    emission[0] = 0.0
-    return np.interp(shares, finely, power).astype(np.float32), emission
+    sums = np.maximum.accumulate(emitter.of(finely * top).sum(axis=1))
+    lowest, highest = float(sums[0]), float(sums[-1])
+    power = (sums - lowest) / max(highest - lowest, 1e-30)
+
+    def emission_of(glow: Array) -> Array:
+        emission = emitter.of(np.interp(glow, power, finely) * top)
+        wanted = lowest + glow * (highest - lowest)
+        scaled: Array = emission * (wanted / np.maximum(emission.sum(axis=1), 1e-30))[:, None]
+        return scaled
+
+    return lambda shares: np.interp(shares, finely, power).astype(np.float32), emission_of
 
 
 BLOCK = 8

@@ -32,8 +32,8 @@ def look() -> None:
     view.render.resolution_percentage = 100
     cycles = view.cycles
     cycles.samples, cycles.seed, cycles.max_bounces, cycles.volume_bounces, cycles.volume_step_rate = 32, 1, 0, 0, 0.25
-    if bpy.app.version >= (5, 0, 0):
-        cycles.samples = 128  # of single voxels
+    if hasattr(cycles, "volume_biased"):
+        cycles.volume_biased = True  # from 5.0 on; else single sparks are a tenth of all light after 512 samples
     cycles.use_adaptive_sampling = cycles.use_denoising = False
 
 
