@@ -31,6 +31,7 @@ PYBIND11_MODULE(sfumato, m) {
         "raise ValueError, which says which argument it was, and calls without it, or with one too many, TypeError.";
     m.attr("instruction_set") = instruction_set().name;
     m.attr("interface") = SFUMATO_INTERFACE; // the hash of sfumato.pyi: what calls this was written for the same one
+    bind_airlight(m);
     bind_area_light(m);
     bind_basis(m);
     bind_map(m);

@@ -6,6 +6,7 @@
 
 namespace sfumato {
 
+void bind_airlight(pybind11::module_ &m);
 void bind_area_light(pybind11::module_ &m);
 void bind_basis(pybind11::module_ &m);
 void bind_frame(pybind11::module_ &m);
@@ -16,6 +17,7 @@ void bind_opacity(pybind11::module_ &m);
 void bind_pictures(pybind11::module_ &m);
 void bind_ray_storage(pybind11::module_ &m);
 void bind_reference(pybind11::module_ &m);
+void bind_reference_airlight(pybind11::module_ &reference);
 void bind_reference_area_light(pybind11::module_ &reference);
 void bind_scene(pybind11::module_ &m);
 void bind_scene_parts(pybind11::module_ &m);

@@ -88,6 +88,7 @@ py::array_t<double> render(const ConsoleScene &given, const Camera &camera, int 
 void bind_reference(py::module_ &parent) {
     py::module_ m = parent.def_submodule(
         "reference", "The answers that the methods approximate: float64, as plain as the textbook, and slow.");
+    bind_reference_airlight(m);
     bind_reference_area_light(m);
     m.def("transmittance", &transmittance, py::arg("depth"), py::arg("alpha"), py::arg("d"),
           R"(The share of light left behind flat absorbers: the product of 1 - alpha over all whose depth is at most d.

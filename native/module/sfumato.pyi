@@ -499,6 +499,27 @@ class Visibility:
         self, seen: str = "shown", lit_by: int = 18446744073709551615, hides: int = 18446744073709551615
     ) -> None: ...
 
+def airlight(
+    start: ArrayLike,
+    end: ArrayLike,
+    position: ArrayLike,
+    extinction: float,
+    anisotropy: float = 0.0,
+    phase: str = "henyey-greenstein",
+    scale_height: float = 0.0,
+    ground: float = 0.0,
+    radius: float = 0.0,
+    direction: ArrayLike = (0.0,
+    0.0: ,
+    -1.0): ,
+    cone: float = 6.283185307179586,
+    blend: float = 0.0,
+    points: int = 16,
+) -> NDArray[numpy.float32]:
+    """(...) float32: radiance that air sends from the ways start (..., 3) to end (..., 3), metres, to their starts,
+    lit by a lamp at position (3,) of intensity 1 W/sr without shadows, for a scattering of 1 per metre.
+    """
+
 def average_series(coefficients: ArrayLike, p: float = 1.0) -> Any:
     """A Fourier series with Lanczos' sigma factors, (sin x / x)^p of harmonic k at x = pi k / m, where m is the
     number of its terms: formulas 6-7 of Song (2021).
@@ -733,6 +754,26 @@ class reference:  # a module
     """The answers that the methods approximate: float64, as plain as the textbook, and slow."""
 
     @staticmethod
+    def airlight(
+        start: ArrayLike,
+        end: ArrayLike,
+        position: ArrayLike,
+        extinction: float,
+        anisotropy: float = 0.0,
+        phase: str = "henyey-greenstein",
+        scale_height: float = 0.0,
+        ground: float = 0.0,
+        radius: float = 0.0,
+        direction: ArrayLike = (0.0,
+        0.0: ,
+        -1.0): ,
+        cone: float = 6.283185307179586,
+        blend: float = 0.0,
+    ) -> NDArray[numpy.float64]:
+        """(...): what airlight() approximates, by adaptive quadrature along the ways and over the cap of the lamp
+        that each place sees.
+        """
+    @staticmethod
     def column(scene: Scene, start: ArrayLike, end: ArrayLike, medium: int = 0) -> NDArray[numpy.float64]:
         """The integral of one medium's density along segments, in metres times density. Exact but for rounding."""
     @staticmethod
@@ -824,6 +865,20 @@ class reference:  # a module
         sfumato.sphere_integral.
         """
     @staticmethod
+    def sunlight(
+        start: ArrayLike,
+        end: ArrayLike,
+        direction: ArrayLike,
+        extinction: float,
+        anisotropy: float = 0.0,
+        phase: str = "henyey-greenstein",
+        scale_height: float = 0.0,
+        ground: float = 0.0,
+    ) -> NDArray[numpy.float64]:
+        """(...): what sunlight() has in closed form, by adaptive quadrature of the density along the way and to the
+        sun.
+        """
+    @staticmethod
     def table(
         transfer: TransferFunction, step: float, entries: int = 64, low: float = 0.0, high: float = 1.0
     ) -> NDArray[numpy.float64]:
@@ -838,6 +893,20 @@ def sphere_integral(
     centre: ArrayLike, radius: ArrayLike, axis: ArrayLike, exponent: ArrayLike, normal: ArrayLike | None = None
 ) -> Any:
     """As polygon_integral, over spheres that do not hold the origin: centre (..., 3), radius one or (...)."""
+
+def sunlight(
+    start: ArrayLike,
+    end: ArrayLike,
+    direction: ArrayLike,
+    extinction: float,
+    anisotropy: float = 0.0,
+    phase: str = "henyey-greenstein",
+    scale_height: float = 0.0,
+    ground: float = 0.0,
+) -> NDArray[numpy.float32]:
+    """(...) float32: the same of a sun that shines along direction (3,) with an irradiance of 1 W/m^2, in closed
+    form.
+    """
 
 def transmittance(
     coefficients: ArrayLike,

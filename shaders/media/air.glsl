@@ -146,3 +146,48 @@ LitPoint lit_point(LitStretch stretch, float x)
   point.weight = 12.0f * x * rest * stretch.squeeze * stretch.angle * inverse / stretch.distance;
   return point;
 }
+
+// ---- Where a light has a size, or a cone ----
+//
+// Such a stretch is cut where the integrand has a kink.
+
+// A part of a ray, by distances from the light's foot; none where `to` does not lie behind `from`.
+struct RayPart {
+  float from;
+  float to;
+};
+
+RayPart part_in_sphere(float distance, float radius)
+{
+  float half_chord = sqrt(max((radius - distance) * (radius + distance), 0.0f));
+  RayPart part;
+  part.from = -half_chord;
+  part.to = half_chord;
+  return part;
+}
+
+// Where a ray lies in a spot's cone, of at most a half-space. `foot` is how far along the cone's axis the light's foot on
+// the ray lies before the light, `along` the cosine between ray and axis. The ray is in the double cone where
+// a s^2 + 2 b s + c is positive, and in the half of it that shines where foot + along s is.
+RayPart part_in_cone(float distance, float foot, float along, float cosine_of_edge)
+{
+  float edge = max(cosine_of_edge, 1e-8f);
+  float a = (along - edge) * (along + edge), b = foot * along;
+  float c = (foot - edge * distance) * (foot + edge * distance);
+  a = pick(abs(a) < 1e-14f, -1e-14f, a);
+  float root2 = foot * foot + distance * distance * a;
+  float root = edge * sqrt(max(root2, 0.0f));
+  float sum = pick(b < 0.0f, root - b, -root - b);
+  float first = sum / a, second = c / pick(abs(sum) < 1e-30f, 1e-30f, sum);
+  float low = min(first, second), high = max(first, second);
+  RayPart part;
+  part.from = pick(a < 0.0f, low, pick(along > 0.0f, high, -1e30f));
+  part.to = pick(a < 0.0f, pick(foot > 0.0f && root2 > 0.0f, high, low), pick(along > 0.0f, 1e30f, low));
+  return part;
+}
+
+// The mean way, within a twentieth of its radius, from outside a sphere to what is seen of it.
+float way_to_sphere(float to_middle, float radius)
+{
+  return to_middle - radius * (2.0f + radius / max(to_middle, radius + 1e-20f)) * (1.0f / 3.0f);
+}
