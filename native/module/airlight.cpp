@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include <glm/geometric.hpp>
+#include <pybind11/stl.h>
 
 namespace sfumato {
 namespace {
@@ -157,7 +158,7 @@ void bind_airlight(py::module_ &m) {
     m.def(
         "airlight", &lamp_light, py::arg("start"), py::arg("end"), py::arg("position"), py::arg("extinction"),
         py::arg("anisotropy") = 0.0, py::arg("phase") = "henyey-greenstein", py::arg("scale_height") = 0.0,
-        py::arg("ground") = 0.0, py::arg("radius") = 0.0, py::arg("direction") = py::make_tuple(0.0, 0.0, -1.0),
+        py::arg("ground") = 0.0, py::arg("radius") = 0.0, py::arg("direction") = std::array<double, 3>{0.0, 0.0, -1.0},
         py::arg("cone") = 2.0 * std::numbers::pi, py::arg("blend") = 0.0, py::arg("points") = 16,
         R"((...) float32: radiance that air sends from the ways start (..., 3) to end (..., 3), metres, to their starts, lit by
 a lamp at position (3,) of intensity 1 W/sr without shadows, for a scattering of 1 per metre.
@@ -190,7 +191,7 @@ void bind_reference_airlight(py::module_ &m) {
     m.def(
         "airlight", &judged_lamp_light, py::arg("start"), py::arg("end"), py::arg("position"), py::arg("extinction"),
         py::arg("anisotropy") = 0.0, py::arg("phase") = "henyey-greenstein", py::arg("scale_height") = 0.0,
-        py::arg("ground") = 0.0, py::arg("radius") = 0.0, py::arg("direction") = py::make_tuple(0.0, 0.0, -1.0),
+        py::arg("ground") = 0.0, py::arg("radius") = 0.0, py::arg("direction") = std::array<double, 3>{0.0, 0.0, -1.0},
         py::arg("cone") = 2.0 * std::numbers::pi, py::arg("blend") = 0.0,
         R"((...): what airlight() approximates, by adaptive quadrature along the ways and over the cap of the lamp that each
 place sees.
