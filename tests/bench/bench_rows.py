@@ -98,6 +98,13 @@ class RampRow(Row):
     samples: float | None  # of the smoke, a voxel
 
 
+class AirlightRow(Row):
+    """One way to a lamp's light in air: `seconds` a ray, of NumPy for the rivals; relative errors."""
+
+    p95: float  # 95th percentile
+    max_error: float
+
+
 class ParticleRow(Row):
     """Light maps of particles, or whole pictures of them. `bytes` are the map's, or the peak of the process above that
     without particles."""
