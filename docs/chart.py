@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/cycles.png, denoised.png, lights.png, cost.png, arealights.png, lightmaps.png, bases.png, oit.png and preintegration.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
+"""docs/cycles.png, denoised.png, lights.png, cost.png, arealights.png, lightmaps.png, bases.png, oit.png, preintegration.png and airlight.png, from what `tests/bench.py NAME --json docs/NAME.json` measured."""
 
 from __future__ import annotations
 
@@ -274,6 +274,34 @@ def preintegration_chart() -> None:
     save(figure, "preintegration", 90)
 
 
+AIR_METHODS = {
+    "substitution": "ζ, 16 points",
+    "substitution-12": "ζ, 12 points",
+    "march": "512 even steps",
+    "march-16": "16 even steps",
+    "table": "table of 512²",
+}
+
+
+def airlight_chart() -> None:
+    """Of a lamp's light in air, 95 in 100 errors and the most."""
+    rows = rows_of("shafts")
+    figure, panels = plt.subplots(1, 2, figsize=(9.0, 2.6), sharey=True)
+    for case, axes in zip(("point", "spot"), panels):
+        for place, method in enumerate(AIR_METHODS):
+            row = next(row for row in rows if (row["case"], row["method"]) == (case, method))
+            colour = SFUMATO if method.startswith("substitution") else CYCLES
+            axes.semilogx([row["p95"], row["max_error"]], [place, place], "-", color=colour, linewidth=1)
+            axes.semilogx(row["p95"], place, "o", color=colour)
+            axes.semilogx(row["max_error"], place, "o", color=colour, markerfacecolor="white")
+        axes.set_title(f"a {case}, unshadowed", fontsize=10)
+        axes.set_yticks(range(len(AIR_METHODS)), list(AIR_METHODS.values()), fontsize=8)
+        axes.set_xlabel("relative error: of 95 in 100 rays less; most (hollow)", fontsize=8)
+        axes.set_xlim(1e-6, 30.0)  # what is further off is off the chart
+        axes.grid(True, axis="x", alpha=0.25)
+    save(figure, "airlight", 90)
+
+
 def main() -> None:
     cycles_chart()
     denoised_chart()
@@ -284,6 +312,7 @@ def main() -> None:
     bases_chart()
     transparency_chart()
     preintegration_chart()
+    airlight_chart()
 
 
 if __name__ == "__main__":

@@ -167,8 +167,8 @@ extinction, per metre; phase function "henyey-greenstein", "cornette-shanks" or 
 extinction and scattering are those at the height `ground` times exp(-(z - ground) / scale_height), else the same everywhere.
 The lamp is a sphere of this radius, in which the light comes from everywhere; a spot shines along direction (3,) into
 a cone of the whole angle `cone`, radians, over whose share `blend` it fades in. Light scattered once, by so many
-`points` of each part of a way that a lamp's surface or a cone's edge cuts off: 16 leave 7e-5 at most of a point light, 12
-2.5e-4, for anisotropies of -.98 to .999 and optical depths of .1 to 200.
+`points` of each part of a way that a lamp's surface or a cone's edge cuts off: 16 are off by 3e-4 of a point light at
+most, for anisotropies of -.98 to .999 and optical depths of .1 to 200.
 
 >>> round(float(airlight([0, 0, 0], [8, 0, 0], position=(4, 3, 0), extinction=0.1, anisotropy=0.8)), 5)
 0.00888

@@ -58,7 +58,7 @@ float lit_by_sun(float column, float depth_front, float depth_back)
 // own falloff nor a ray that passes it close by is left in the integrand. The phase function's peak goes by
 //     tan(psi / 2) = k tan zeta,  k = (1 - g) / (1 + g):  p_HG dpsi = sqrt(cos^2 zeta + k^2 sin^2 zeta) dzeta / (2 pi (1 - g)) .
 // What is left is how the air's extinction sets in near either end; there x^2 (3 - 2 x) puts more of the points.
-// Sixteen of Gauss' points over x in (0, 1) leave 7e-5 at most, for g in [-.98, .999] and optical depths from .1 to 200.
+// Sixteen of Gauss' points over x in (0, 1) leave 7e-5 before rounding, for g in [-.98, .999] and depths of .1 to 200.
 // Angles enter by their unit vectors, which are interpolated on the circle: an angle near pi / 2 would have lost digits.
 
 // A part of a ray before a point light.

@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import progress
@@ -85,7 +86,7 @@ def case(name: str, cone: float) -> tuple[list[AirlightRow], list[str]]:
     for seed, (reach, g) in enumerate((reach, g) for reach in REACHES for g in PEAKS):
         given = rays(reach, seed)
         ways = given.place(given.s[:, 0]), given.place(given.s[:, 1])
-        lamp = {"position": (0, 0, 0), "extinction": EXTINCTION, "anisotropy": g, "cone": cone}
+        lamp: dict[str, Any] = {"position": (0, 0, 0), "extinction": EXTINCTION, "anisotropy": g, "cone": cone}
         exact = sfumato.reference.airlight(*ways, **lamp)
         start, end = lit(given, cone) if cone < 2 * np.pi else (given.s[:, 0], given.s[:, 1])
         table = Table(reach, EXTINCTION, g)
@@ -115,7 +116,9 @@ def case(name: str, cone: float) -> tuple[list[AirlightRow], list[str]]:
     said = ", ".join(f"{g:g}: {np.quantile(e, 0.95):.1e} ({e.max():.1e})" for g, e in worst.items())
     table_errors = measured["table"].errors[REACHES.index(20.0) * len(PEAKS) :]
     of_table = ", ".join(
-        f"{g:g}: {np.median(e):.1%}, {np.quantile(e, 0.95):.0%}" for g, e in zip(PEAKS, table_errors) if g in AS_PUBLISHED
+        f"{g:g}: {np.median(e):.1%}, {np.quantile(e, 0.95):.0%}"
+        for g, e in zip(PEAKS, table_errors)
+        if g in AS_PUBLISHED
     )
     return rows, [
         f"{name}, substitution by g, 95th percentile (most): {said}",

@@ -11,9 +11,11 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bench import growth, light_remarks, seconds_at_error, table
+from airlight_rivals import Table, march
 from bench_denoised import remarks, series
 from bench_preintegration import said
 from bench_rows import CostRow, LightRow, RampRow, RayRow, Row
@@ -43,6 +45,16 @@ def test_noise_costs_the_inverse_square_of_its_error(error: float) -> None:
 
 def test_nothing_is_cheaper_than_the_cheapest_row() -> None:
     assert seconds_at_error(noisy_rows([4, 16]), 0.3) == 2.0
+
+
+def test_rivals_of_airlight_agree_where_it_is_easy() -> None:
+    """Far from the lamp, without a peak: the angle that the ray fills in clear air."""
+    h, start, end = np.array([4.0]), np.array([-5.0]), np.array([6.0])
+    angle = (np.arctan(6.0 / 4.0) + np.arctan(5.0 / 4.0)) / 4.0 / (4 * np.pi)
+    assert march(h, start, start, end, 0.0, 0.0, 512)[0] == pytest.approx(angle, rel=1e-5)
+    assert Table(20.0, 0.0, 0.0).sent(h, start, start, end)[0] == pytest.approx(angle, rel=0.02)
+    dimmed = march(h, start, start, end, 0.3, 0.5, 4096)[0]
+    assert Table(20.0, 0.3, 0.5).sent(h, start, start, end)[0] == pytest.approx(dimmed, rel=0.02)
 
 
 def test_zero_error_is_refused() -> None:
