@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <glm/geometric.hpp>
 
@@ -49,9 +50,12 @@ private:
 // A lamp as a ray passes it.
 class Passed {
 public:
-    Passed(const glm::dvec3 &from, const glm::dvec3 &to, const AirLamp &passed, const ScatteringAir &scattering)
-        : lamp(passed), air(scattering), heights(scattering), eye(from), length(glm::distance(from, to)),
-          direction((to - from) / length), foot(glm::dot(passed.position - from, direction)),
+    // A cotangent of half its spread: the lamp is a piece of a plate.
+    Passed(const glm::dvec3 &from, const glm::dvec3 &to, const AirLamp &passed, const ScatteringAir &scattering,
+           std::optional<float> plate_spread = {})
+        : lamp(passed), spread(plate_spread), air(scattering), heights(scattering), eye(from),
+          length(glm::distance(from, to)), direction((to - from) / length),
+          foot(glm::dot(passed.position - from, direction)),
           distance(static_cast<float>(glm::length(glm::cross(passed.position - from, direction)))),
           on_axis(glm::dot(from + foot * direction - passed.position, passed.axis)),
           along_axis(glm::dot(direction, passed.axis)),
@@ -129,14 +133,19 @@ private:
         const float eye_depth = heights.column(eye.z, z, static_cast<float>(foot + double{place}));
         const float light_depth = heights.column(z, lamp.position.z, radius) * way / std::max(radius, 1e-20F);
         const auto beam = static_cast<float>(on_axis + along_axis * double{place}) / std::max(radius, 1e-20F);
+        const float depth = heights.of(z) + air.extinction * (eye_depth + light_depth);
+        if (spread) {
+            return std::max(beam, 0.0F) * text::LightsText<float>().spread_fade(beam, *spread) * std::exp(-depth);
+        }
         // Parts end at a hard edge, where rounding would put a point on either side.
         const bool faded = lamp.cone_cosine >= -1.0 && (lamp.blend > 0.0F || lamp.cone_cosine < 0.0);
         const float fade =
             faded ? text::LightsText<float>().spot_fade(beam, static_cast<float>(lamp.cone_cosine), lamp.blend) : 1.0F;
-        return fade * std::exp(-heights.of(z) - air.extinction * (eye_depth + light_depth));
+        return fade * std::exp(-depth);
     }
 
     const AirLamp &lamp;
+    std::optional<float> spread;
     const ScatteringAir &air;
     Heights heights;
     glm::dvec3 eye;
@@ -177,6 +186,39 @@ std::vector<GaussPoint> gauss_points(std::size_t count) {
 float airlight(const glm::dvec3 &from, const glm::dvec3 &to, const AirLamp &lamp, const ScatteringAir &air,
                std::span<const GaussPoint> points) {
     return from == to ? 0.0F : Passed(from, to, lamp, air).sent(points);
+}
+
+PlateLight airlight(const glm::dvec3 &from, const glm::dvec3 &to, const AirPlate &plate, const ScatteringAir &air,
+                    std::span<const GaussPoint> points, float error) {
+    constexpr std::size_t MOST = 16; // along each axis
+    if (from == to) {
+        return {};
+    }
+    const glm::dvec3 area = 4.0 * glm::cross(plate.across, plate.up);
+    const double tangent = std::tan(0.5 * plate.spread);
+    const float cotangent = plate.spread < std::numbers::pi ? static_cast<float>(1.0 / tangent) : 0.0F;
+    AirLamp piece;
+    piece.axis = glm::normalize(area);
+    piece.cone_cosine = std::max(std::cos(0.5 * plate.spread), 0.0);
+    PlateLight light;
+    for (std::size_t count = 1; count <= MOST; count *= 2) {
+        const std::vector<GaussPoint> along = gauss_points(count);
+        float sum = 0.0F;
+        for (const GaussPoint &x : along) {
+            for (const GaussPoint &y : along) {
+                piece.position = plate.position + (2.0 * double{x.place} - 1.0) * plate.across +
+                                 (2.0 * double{y.place} - 1.0) * plate.up;
+                sum += x.weight * y.weight * Passed(from, to, piece, air, cotangent).sent(points);
+            }
+        }
+        sum *= static_cast<float>(glm::length(area));
+        const bool settled = count > 2 && sum > 0.0F && std::abs(sum - light.sent) <= error * sum;
+        light = {sum, count * count};
+        if (settled) {
+            break;
+        }
+    }
+    return light;
 }
 
 float sunlight(const glm::dvec3 &from, const glm::dvec3 &to, const glm::dvec3 &towards, const ScatteringAir &air) {

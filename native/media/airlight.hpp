@@ -41,6 +41,23 @@ struct AirLamp {
 float airlight(const glm::dvec3 &from, const glm::dvec3 &to, const AirLamp &lamp, const ScatteringAir &air,
                std::span<const GaussPoint> points);
 
+// A rectangle that shines along the cross product of its half axes, of radiance 1 where it is brightest.
+struct AirPlate {
+    glm::dvec3 position{0.0};
+    glm::dvec3 across{0.5, 0.0, 0.0}, up{0.0, 0.5, 0.0};
+    double spread = 3.141592653589793; // as in Light
+};
+
+struct PlateLight {
+    float sent = 0.0F;
+    std::size_t points = 0; // on the plate
+};
+
+// The same of a plate, as so many points of it that four times fewer would make a difference of no more than `error` of
+// what is sent, from 16 to 256.
+PlateLight airlight(const glm::dvec3 &from, const glm::dvec3 &to, const AirPlate &plate, const ScatteringAir &air,
+                    std::span<const GaussPoint> points, float error);
+
 // Of a sun of irradiance 1, which stands in the unit direction `towards`; even air does not dim it.
 float sunlight(const glm::dvec3 &from, const glm::dvec3 &to, const glm::dvec3 &towards, const ScatteringAir &air);
 

@@ -518,6 +518,25 @@ def airlight(
     lit by a lamp at position (3,) of intensity 1 W/sr without shadows, for a scattering of 1 per metre.
     """
 
+def airlight_of_plate(
+    start: ArrayLike,
+    end: ArrayLike,
+    position: ArrayLike,
+    across: ArrayLike,
+    up: ArrayLike,
+    extinction: float,
+    anisotropy: float = 0.0,
+    phase: str = "henyey-greenstein",
+    scale_height: float = 0.0,
+    ground: float = 0.0,
+    spread: float = 3.141592653589793,
+    error: float = 0.001,
+) -> NDArray[numpy.float32]:
+    """(...) float32: the same of a rectangle with half axes across (3,) and up (3,), metres, of radiance 1 W/(m^2
+    sr), that shines along their cross product into an angle `spread`, radians: as 16 to 256 points, which are
+    enough where the last doubling along both axes changed no more than `error` of what is sent.
+    """
+
 def average_series(coefficients: ArrayLike, p: float = 1.0) -> Any:
     """A Fourier series with Lanczos' sigma factors, (sin x / x)^p of harmonic k at x = pi k / m, where m is the
     number of its terms: formulas 6-7 of Song (2021).
@@ -768,6 +787,23 @@ class reference:  # a module
     ) -> NDArray[numpy.float64]:
         """(...): what airlight() approximates, by adaptive quadrature along the ways and over the cap of the lamp
         that each place sees.
+        """
+    @staticmethod
+    def airlight_of_plate(
+        start: ArrayLike,
+        end: ArrayLike,
+        position: ArrayLike,
+        across: ArrayLike,
+        up: ArrayLike,
+        extinction: float,
+        anisotropy: float = 0.0,
+        phase: str = "henyey-greenstein",
+        scale_height: float = 0.0,
+        ground: float = 0.0,
+        spread: float = 3.141592653589793,
+    ) -> NDArray[numpy.float64]:
+        """(...): what airlight_of_plate() approximates, by adaptive quadrature over the plate at each place of a
+        way.
         """
     @staticmethod
     def column(scene: Scene, start: ArrayLike, end: ArrayLike, medium: int = 0) -> NDArray[numpy.float64]:

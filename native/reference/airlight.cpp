@@ -168,6 +168,55 @@ double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, 
     return sum;
 }
 
+double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate, const Air &air) {
+    const double length = glm::distance(from, to);
+    const glm::dvec3 direction = (to - from) / length, area = 4.0 * glm::cross(plate.across, plate.up);
+    const glm::dvec3 axis = glm::normalize(area);
+    const double cotangent = plate.spread < PI ? 1.0 / std::tan(0.5 * plate.spread) : 0.0;
+    const auto at = [&](double t) {
+        const glm::dvec3 place = from + t * direction;
+        const auto from_point = [&](double x, double y) {
+            const glm::dvec3 point = plate.position + x * plate.across + y * plate.up, way = place - point;
+            const double r = glm::length(way), cosine = glm::dot(way, axis) / r;
+            if (cosine <= 1e-9) {
+                return 0.0;
+            }
+            const double left = 1.0 - std::sqrt(1.0 - std::min(cosine * cosine, 1.0)) / cosine * cotangent;
+            return std::max(left, 0.0) * cosine / (r * r) * phase(air, -glm::dot(way, direction) / r) *
+                   std::exp(-air.extinction * column(air, place, point));
+        };
+        const auto row = [&](double y) {
+            return integral([&](double x) { return from_point(x, y); }, -1.0, 1.0, 1e-5, 1e-6);
+        };
+        return density(air, place.z) * std::exp(-air.extinction * column(air, from, place)) *
+               integral(row, -1.0, 1.0, 1e-5, 1e-6);
+    };
+    // Where it crosses the plate's plane, and by powers of two around the plate's foot.
+    std::vector<double> cuts{0.0, length};
+    const auto cut = [&](double t) {
+        if (t > 0.0 && t < length) {
+            cuts.push_back(t);
+        }
+    };
+    cut(glm::dot(plate.position - from, axis) / glm::dot(direction, axis));
+    const double foot = glm::dot(plate.position - from, direction);
+    const double distance = glm::distance(plate.position, from + foot * direction);
+    cut(foot);
+    for (double step = 0.1 * distance; step < length; step *= 2.0) {
+        cut(foot - step);
+        cut(foot + step);
+    }
+    std::sort(cuts.begin(), cuts.end());
+    double greatest = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+        greatest = std::max(greatest, gauss7(at, cuts[i], cuts[i + 1]));
+    }
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+        sum += integral(at, cuts[i], cuts[i + 1], 1e-4, greatest);
+    }
+    return sum * 0.25 * glm::length(area);
+}
+
 double sunlight(const glm::dvec3 &from, const glm::dvec3 &to, const glm::dvec3 &towards, const Air &air) {
     const double length = glm::distance(from, to);
     const glm::dvec3 direction = (to - from) / length;

@@ -39,6 +39,17 @@ double column(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to);
 // it have from everywhere what its surface has.
 double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, const Air &air);
 
+// A rectangle of radiance 1 along the cross product of its half axes, which a grid narrows to an angle `spread`: in a
+// direction at an angle a to that, 1 - tan(a) / tan(spread / 2) of it is left.
+struct Plate {
+    glm::dvec3 position{0.0};
+    glm::dvec3 across{0.5, 0.0, 0.0}, up{0.0, 0.5, 0.0};
+    double spread = 3.141592653589793;
+};
+
+// Likewise, by quadrature over the plate at each place; within 1e-4.
+double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate, const Air &air);
+
 // Of a sun of irradiance 1 in the unit direction `towards`, which air that is not even dims.
 double sunlight(const glm::dvec3 &from, const glm::dvec3 &to, const glm::dvec3 &towards, const Air &air);
 

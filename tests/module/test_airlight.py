@@ -36,6 +36,27 @@ def test_what_is_no_air_or_lamp_is_refused(changed: dict[str, Any], message: str
         sfumato.airlight(**arguments)
 
 
+def test_what_is_no_plate_is_refused() -> None:
+    plate: dict[str, Any] = {"across": (1, 0, 0), "up": (0, 1, 0), **DUST}
+    for changed, message in (
+        ({"up": (2, 0, 0)}, "up has no part at right angles to across: the plate has no area"),
+        ({"spread": 0.0}, "spread is 0, but must lie between 0.001 and"),
+    ):
+        with pytest.raises(ValueError, match=f"^{message}"):
+            sfumato.airlight_of_plate([0, 0, 1], [1, 0, 1], **{**plate, **changed})
+
+
+def test_a_small_plate_is_a_point() -> None:
+    """Far away, where its cosine is the same for all of it."""
+    plate = sfumato.airlight_of_plate(
+        [-0.1, 0, 9], [0.1, 0, 9], across=(0.02, 0, 0), up=(0, 0.03, 0), **DUST, anisotropy=0.4
+    )
+    point = sfumato.airlight([-0.1, 0, 9], [0.1, 0, 9], **DUST, anisotropy=0.4)
+    assert float(plate) == pytest.approx(float(point) * 4 * 0.02 * 0.03, rel=1e-3)
+    behind = sfumato.airlight_of_plate([-1, 0, -3], [1, 0, -3], across=(1, 0, 0), up=(0, 1, 0), **DUST)
+    assert float(behind) == 0.0
+
+
 def test_a_way_to_nowhere_sends_nothing() -> None:
     assert sfumato.airlight([[[1, 2, 3]]], [[[1, 2, 3]]], **DUST).tolist() == [[0.0]]
     assert float(sfumato.sunlight([1, 2, 3], [1, 2, 3], direction=(0, 0, -1), extinction=0.1)) == 0.0

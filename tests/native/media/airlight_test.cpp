@@ -134,6 +134,27 @@ TEST(Airlight, OfASphereHasItsSizeAndGoesOnWithin) {
     }
 }
 
+// A plate above the origin, of which rays cross the plane beside it, behind it and through it.
+TEST(Airlight, OfAPlateTakesAsManyPointsAsItNeeds) {
+    std::mt19937 random{5};
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    const std::vector<GaussPoint> points = gauss_points(16);
+    for (const double spread : {PI, 2.0, 0.5}) {
+        const AirPlate plate{{0.1, 0.0, 0.2}, {0.6, 0.0, 0.0}, {0.0, -0.3, 0.0}, spread};
+        const reference::Plate same{plate.position, plate.across, plate.up, plate.spread};
+        const ScatteringAir air{0.3F, PhaseFunction::HENYEY_GREENSTEIN, 0.6F};
+        for (int ray = 0; ray < 3; ++ray) {
+            const glm::dvec3 from(3.0 * uniform(random), -4.0, uniform(random) - 1.0);
+            const glm::dvec3 to(3.0 * uniform(random), 4.0, uniform(random) - 1.0);
+            const double wanted = reference::airlight(from, to, same, judged(air));
+            const PlateLight found = airlight(from, to, plate, air, points, 1e-3F);
+            EXPECT_NEAR(double{found.sent}, wanted, 2e-3 * wanted + 1e-6)
+                << "spread " << spread << ", " << found.points;
+            EXPECT_LE(found.points, spread < PI ? 256 : 64);
+        }
+    }
+}
+
 TEST(Airlight, FollowsAirThatFallsOffWithHeight) {
     AirLamp lamp;
     for (const double height : {3.0, 8.0, 100.0}) {
