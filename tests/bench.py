@@ -223,11 +223,14 @@ def particles() -> tuple[Sequence[Row], list[str]]:
 
 
 def shafts() -> tuple[Sequence[Row], list[str]]:
-    """Light in air: a lamp's, beside the published table."""
+    """Light in air: a lamp's, beside the published table; and ways to follow the light that solids leave."""
     sys.path.insert(0, str(ROOT / "build" / "python"))
     from bench_airlight import points
+    from bench_shafts import windows
 
-    return points()
+    lamps, of_lamps = points()
+    rows, said = windows()
+    return [*lamps, *rows], [*of_lamps, *said]
 
 
 def package() -> tuple[Sequence[Row], list[str]]:
