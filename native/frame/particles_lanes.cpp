@@ -86,7 +86,9 @@ void arriving_light(const FrameView &frame, const Puffs::Body &body, std::size_t
             continue;
         }
         const Arriving arriving = SFUMATO_ISA::arriving(
-            {&light, frame.extinctions, static_cast<int>(frame.particles.first_body + number), COLOURS == 1}, place);
+            {&light, frame.extinctions, static_cast<int>(frame.particles.first_body + number), COLOURS == 1,
+             frame.world_air},
+            place);
         vec3 travel = broadcast(light.direction);
         Real share = arriving.share;
         if (!light.parallel()) {

@@ -176,7 +176,7 @@ struct Air {
     float scale_height = 0.0F, ground = 0.0F;
     glm::vec3 shaft_tint{1.0F};         // an artist's: times what is scattered; 1 is physical
     std::shared_ptr<const Shape> shape; // closed, what is inside it; none: everywhere
-    glm::mat4 to_world{1.0F};           // of the shape
+    std::vector<glm::mat4> to_world;    // of the shape, the places; of the world none
     Visibility visibility;              // SHOWN or UNSEEN
 };
 
