@@ -19,6 +19,8 @@ struct AirView {
     float per_height = 0.0F; // one over the scale height; 0: even
     float ground = 0.0F;
     LightSets lit_by = ~LightSets{0}; // Visibility's
+
+    [[nodiscard]] bool even() const { return per_height == 0.0F; }
 };
 
 AirView view_of(const Air &air);
