@@ -9,6 +9,7 @@
 #include "frame/layers.hpp"
 #include "lights/lights_lanes.hpp"
 #include "maps/arriving_lanes.hpp"
+#include "maps/sections_lanes.hpp"
 #include "media/air_lanes.hpp"
 #include "text/camera_text.hpp"
 #include "text/lanes.hpp"
@@ -25,19 +26,39 @@ namespace {
 using CameraText = text::CameraText<Real, Isa>;
 using Ray = CameraText::Ray;
 
-// Rays through the air, up to the surfaces.
+// Rays through air, of which one scatters here, and the world's takes light everywhere.
 struct Way {
     const FrameView &frame;
-    const AirView &air;
+    const AirView &air; // that scatters
     Ray ray;
     int colours; // that the optical depths have
 
     [[nodiscard]] vec3 place(Real t) const { return ray.origin + ray.direction * t; }
+    // Of the air that scatters, metres as dense as at its ground.
     [[nodiscard]] Real column(Real t) const { return column_on(air, ray.origin, ray.direction, t); }
-    // Of the least opaque colour or the most.
-    [[nodiscard]] float extinction(bool most) const {
-        const glm::vec3 &e = air.extinction;
-        return most ? std::max({e.x, e.y, e.z}) : std::min({e.x, e.y, e.z});
+    // Towards the eye, in the first of the colours and in all.
+    struct Depth {
+        Real of[3];
+    };
+    [[nodiscard]] Depth to_eye(Real t) const {
+        return in_world([&](const AirView &world) { return column_on(world, ray.origin, ray.direction, t); });
+    }
+    // Towards a sample of a light.
+    [[nodiscard]] Depth to_light(const LightView &light, const glm::vec3 &sample, Real t) const {
+        return in_world([&](const AirView &world) { return column_to(world, light, sample, place(t)); });
+    }
+
+private:
+    template <typename Column>
+    [[nodiscard]] Depth in_world(const Column &column) const {
+        Depth depth{{0.0F, 0.0F, 0.0F}};
+        if (frame.world_air != nullptr) {
+            const Real metres = column(*frame.world_air);
+            for (int c = 0; c < colours; ++c) {
+                depth.of[c] = min(metres * frame.world_air->extinction[c], 1e4F);
+            }
+        }
+        return depth;
     }
 };
 
@@ -61,8 +82,8 @@ protected:
         return map == nullptr || map->empty() ? nullptr : map;
     }
 
-    [[nodiscard]] Open open(Real t) const {
-        const Arriving arriving = SFUMATO_ISA::arriving(at_, way_.place(t));
+    [[nodiscard]] Open open(const ArrivingAt &at, Real t) const {
+        const Arriving arriving = SFUMATO_ISA::arriving(at, way_.place(t));
         Open out;
         for (int c = 0; c < 3; ++c) {
             out.of[c] = c < way_.colours ? arriving.share * RaysText().transmittance_of(arriving.optical_depth[c])
@@ -73,17 +94,17 @@ protected:
 
     // Calls add(x0, x1, open, open) for sections of [0, 1], of the lanes that are asked for.
     template <typename Place, typename Add>
-    void in_sections(Mask asked, int count, const Place &place, const Add &add) const {
+    void in_sections(const ArrivingAt &at, Mask asked, int count, const Place &place, const Add &add) const {
         constexpr int PARTS = 8;
         constexpr float DIFFERENT = 0.03F;
         if (count == 0) {
             return;
         }
         const float step = 1.0F / static_cast<float>(count), part = step / PARTS;
-        Open before = open(place(0.0F));
+        Open before = open(at, place(0.0F));
         for (int i = 0; i < count; ++i) {
             const float x = step * static_cast<float>(i);
-            const Open after = open(place(x + step));
+            const Open after = open(at, place(x + step));
             const Real change = max(abs(after.of[0] - before.of[0]), abs(after.of[2] - before.of[2]));
             if (!xsimd::any(asked & (change > DIFFERENT))) {
                 add(x, x + step, before, after);
@@ -92,7 +113,7 @@ protected:
             }
             for (int k = 0; k < PARTS; ++k) {
                 const float from = x + part * static_cast<float>(k);
-                const Open next = k + 1 < PARTS ? open(place(from + part)) : after;
+                const Open next = k + 1 < PARTS ? open(at, place(from + part)) : after;
                 add(from, from + part, before, next);
                 before = next;
             }
@@ -131,46 +152,79 @@ public:
         by_ = phases(0.25F * dot(apart, apart), 0.25F * dot(both, both));
     }
 
-    // Before the map's box, in it, and beside it or behind it are different.
     void add(Real from, Real to, Real (&sum)[3]) const {
-        const LightMapView *const map = this->map();
+        const std::size_t bodies = way_.frame.extinctions.size();
+        const bool followed = map() != nullptr && map()->sheets.first == nullptr;
+        bool smoky = false;
+        for (std::size_t m = 0; m < light_.samples.size() * bodies; ++m) {
+            smoky = smoky || !(light_.maps[m].empty() || light_.maps[m].clear());
+        }
+        if (!followed || (smoky && light_.samples.size() > 1)) {
+            add_by_parts(map(), from, to, at_, sum);
+            return;
+        }
+        // Solids leave stretches, and smoke some of the light in these.
+        const LightMapView *smoke = nullptr;
+        ArrivingAt past_solids = at_;
+        past_solids.own = -1;
+        for (std::size_t m = 0; m < bodies && smoky && smoke == nullptr; ++m) {
+            smoke = light_.maps[m].empty() || light_.maps[m].clear() ? nullptr : light_.maps + m;
+        }
+        for (std::size_t j = 0; j < light_.samples.size(); ++j) {
+            const LightMapView &solids = light_.maps[j * bodies + static_cast<std::size_t>(way_.frame.air_body)];
+            const Real weight = sample_share(light_, light_.samples[j], way_.ray.origin);
+            const LineOnMap line = line_on(solids, way_.ray.origin, way_.ray.direction, from, to);
+            for_lit_sections(line, from, to, to > from, MapHeights(solids.tree, line), 1e6F,
+                             [&](Mask which, Real begin, Real end, Real share) {
+                                 Real sent[3] = {0.0F, 0.0F, 0.0F};
+                                 begin = pick(which, begin, 0.0F);
+                                 end = pick(which, end, 0.0F);
+                                 if (smoke == nullptr) {
+                                     const Open all{{1.0F, 1.0F, 1.0F}};
+                                     add_section(begin, end, all, all, sent);
+                                     share = share * weight;
+                                 } else {
+                                     add_by_parts(smoke, begin, end, past_solids, sent);
+                                 }
+                                 for (int c = 0; c < 3; ++c) {
+                                     sum[c] = sum[c] + pick(which, sent[c] * share, 0.0F);
+                                 }
+                             });
+        }
+    }
+
+private:
+    // Before a map's box, in it, and beside it or behind it are different.
+    void add_by_parts(const LightMapView *map, Real from, Real to, const ArrivingAt &at, Real (&sum)[3]) const {
         if (map == nullptr) {
-            add_part(from, to, sum);
+            add_part(map, from, to, at, sum);
             return;
         }
         const vec3 along = transform_vector(map->world_to_light, way_.ray.direction);
         const vec3 origin = transform_point(map->world_to_light, way_.ray.origin);
         Real first = from, last = to;
-        clip(origin.x, along.x, first, last);
-        clip(origin.y, along.y, first, last);
+        clip(origin.x, along.x, 1.0F, first, last);
+        clip(origin.y, along.y, 1.0F, first, last);
         const Mask beneath = first < last;
         first = pick(beneath, first, from);
         last = pick(beneath, last, from);
         Real enters = first, leaves = last;
-        clip(origin.z, along.z, enters, leaves);
+        clip(origin.z, along.z, 1.0F, enters, leaves);
         const Mask within = enters < leaves;
         enters = pick(within, enters, first);
         leaves = pick(within, leaves, first);
         const Real ends[6] = {from, first, enters, leaves, last, to};
         for (int i = 0; i < 5; ++i) {
-            add_part(ends[i], ends[i + 1], sum);
+            add_part(map, ends[i], ends[i + 1], at, sum);
         }
     }
 
-private:
-    static void clip(Real origin, Real along, Real &from, Real &to) {
-        const Real per = 1.0F / pick(abs(along) < 1e-20F, 1e-20F, along);
-        const Real a = -origin * per, b = (1.0F - origin) * per;
-        from = max(from, min(a, b));
-        to = min(to, max(a, b));
-    }
-
     // So many that a section crosses no more than two texels of the map.
-    [[nodiscard]] int sections(Real from, Real to) const {
+    [[nodiscard]] int sections(const LightMapView *map, Real from, Real to) const {
         constexpr float FEWEST = 1.0F, TEXELS = 2.0F;
         const Real length = max(to - from, 0.0F);
         Real count = FEWEST;
-        if (const LightMapView *const map = this->map()) {
+        if (map != nullptr) {
             const vec3 along = transform_vector(map->world_to_light, way_.ray.direction);
             const vec3 middle = transform_point(map->world_to_light, way_.place(0.5F * (from + to)));
             // Beside the map there is nothing, and behind it what changes across it changes no more along it.
@@ -183,11 +237,11 @@ private:
         return static_cast<int>(std::ceil(std::min(highest(pick(length > 0.0F, count, 0.0F)), MOST)));
     }
 
-    void add_part(Real from, Real to, Real (&sum)[3]) const {
+    void add_part(const LightMapView *map, Real from, Real to, const ArrivingAt &at, Real (&sum)[3]) const {
         const Mask asked = to > from;
         const Real length = pick(asked, to - from, 0.0F);
         const auto place = [&](float x) { return from + length * x; };
-        in_sections(asked, sections(from, to), place, [&](float x0, float x1, const Open &before, const Open &after) {
+        in_sections(at, asked, sections(map, from, to), place, [&](float x0, float x1, const Open &before, const Open &after) {
             if (any(before, after)) {
                 add_section(place(x0), place(x1), before, after, sum);
             }
@@ -195,20 +249,19 @@ private:
     }
 
     void add_section(Real from, Real to, const Open &before, const Open &after, Real (&sum)[3]) const {
-        const Real front = way_.column(from), back = way_.column(to);
-        const Real front_depth = front + above(from), back_depth = back + above(to);
+        const Real column = way_.column(to) - way_.column(from);
+        const Way::Depth front = way_.to_eye(from), back = way_.to_eye(to);
+        const Way::Depth front_light = to_light(from), back_light = to_light(to);
         Real sent = 0.0F;
         for (int c = 0; c < 3; ++c) {
-            const float extinction = way_.air.extinction[c];
             if (c < way_.colours) {
-                sent = AirText().lit_by_sun(back - front, front_depth * extinction, back_depth * extinction);
+                sent = AirText().lit_by_sun(column, front.of[c] + front_light.of[c], back.of[c] + back_light.of[c]);
             }
             sum[c] = sum[c] + sent * (0.5F * (before.of[c] + after.of[c])) * scattered(by_, c);
         }
     }
 
-    // The column towards the light.
-    [[nodiscard]] Real above(Real t) const { return column_to(way_.air, light_, -light_.direction, way_.place(t)); }
+    [[nodiscard]] Way::Depth to_light(Real t) const { return way_.to_light(light_, -light_.direction, t); }
 
     Phases by_{};
 };
@@ -227,7 +280,8 @@ public:
     void add(Real from, Real to, Real (&sum)[3]) const {
         const float squeeze = (1.0F - way_.air.anisotropy) / (1.0F + way_.air.anisotropy);
         // Where air ends with height, none is so thin that its end is known.
-        const float least = way_.air.even() ? way_.extinction(false) : 0.0F;
+        const glm::vec3 &e = way_.air.extinction;
+        const float least = way_.air.even() ? std::min({e.x, e.y, e.z}) : 0.0F;
         const Real begin = from - foot_;
         const Real end = min(to - foot_, AirText().lit_until(distance_, begin, least, squeeze));
         const Mask asked = end > begin;
@@ -236,7 +290,7 @@ public:
             // The ends of a stretch are known better than points near them.
             return x <= 0.0F ? from : x >= 1.0F ? foot_ + end : foot_ + clamp(AirText().lit_point(stretch, x).place, begin, max(end, begin));
         };
-        in_sections(asked, sections(asked, stretch.angle), place, [&](float x0, float x1, const Open &before, const Open &after) {
+        in_sections(at_, asked, sections(asked, stretch.angle), place, [&](float x0, float x1, const Open &before, const Open &after) {
             if (any(before, after)) {
                 add_section(asked, stretch, x0, x1, before, after, sum);
             }
@@ -272,12 +326,12 @@ private:
                                      away2_ / max(distance - point.place, 1e-30F));
             const Real sine2 = turned * turned, whole = 1.0F / max(sine2 + away2_, 1e-30F);
             const Phases by = phases(sine2 * whole, away2_ * whole);
-            const Real column = way_.column(t) + column_to(way_.air, light_, light_.position, place);
+            const Way::Depth to_eye = way_.to_eye(t), to_light = way_.to_light(light_, light_.position, t);
             const Real amount = pick(asked, rate * (0.5F * width) * density(place), 0.0F);
             Real left = 0.0F;
             for (int c = 0; c < 3; ++c) {
                 if (c < way_.colours) {
-                    left = amount * exp(-min(column * way_.air.extinction[c], 80.0F));
+                    left = amount * exp(-min(to_eye.of[c] + to_light.of[c], 80.0F));
                 }
                 sum[c] = sum[c] + left * (before.of[c] + (after.of[c] - before.of[c]) * node) * scattered(by, c);
             }
@@ -293,10 +347,11 @@ private:
 
 // What the air between two places sends to the eye.
 void sent_between(const Way &way, Real from, Real to, Real (&sum)[3]) {
-    const Real front = way.column(from), back = way.column(to);
+    const Real column = way.column(to) - way.column(from);
+    const Way::Depth front = way.to_eye(from), back = way.to_eye(to);
     for (int c = 0; c < 3; ++c) {
-        const float extinction = way.air.extinction[c];
-        sum[c] = sum[c] + AirText().lit_by_sun(back - front, front * extinction, back * extinction) * way.air.emission[c];
+        const int of = c < way.colours ? c : 0;
+        sum[c] = sum[c] + AirText().lit_by_sun(column, front.of[of], back.of[of]) * way.air.emission[c];
     }
     for (const LightView &light : way.frame.lights) {
         if (!light.reach.smoke || (light.reach.lights & way.air.lit_by) == 0 || light.samples.empty()) {
@@ -319,9 +374,9 @@ void leave_knot(const Way &way, Real t, const Real (&radiance)[3], AirKnots &kno
     for (const Real &value : radiance) {
         keep(value);
     }
-    const Real column = way.column(t);
+    const Way::Depth depth = way.to_eye(t);
     for (int c = 0; c < way.colours; ++c) {
-        keep(column * way.air.extinction[c]);
+        keep(depth.of[c]);
     }
     ++knots.count;
 }

@@ -54,6 +54,7 @@ void LightParts::end_round() {
     maps.end_round();
     solids.end_round();
     sheets.end_round();
+    trees.end_round();
     volumes.end_round();
 }
 
@@ -109,15 +110,21 @@ void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &sett
                 map.blur = map.shared ? shadow_blur(views_[i], body) : 0.0;
                 made.push_back(build_map(views_[i], glm::dvec3(sample), body, surfaces, body.clear ? solids : map,
                                          with, parts));
-                map_views.push_back(made.back().columns
-                                        ? made.back().columns->view(made.back().solids.get(), made.back().sheets.get())
-                                        : LightMapView{});
+                map_views.push_back(made.back().view());
             }
         }
     }
     for (std::size_t i = 0; i < views_.size(); ++i) {
         views_[i].maps = map_views_[i].data();
     }
+}
+
+LightMapView Lighting::Map::view() const {
+    LightMapView view = columns ? columns->view(solids.get(), sheets.get()) : LightMapView{};
+    if (tree) {
+        view.tree = tree->view();
+    }
+    return view;
 }
 
 Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &sample, const Body &body,
@@ -149,6 +156,11 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
         sheets.part(surfaces.dimming(light)).number(nearest).numbers(surfaces.transmittances());
         map.sheets =
             parts.sheets.get(sheets, [&] { return find_sheets(plan, surfaces.view(), light.sheets, nearest); });
+    }
+    if (body.clear && light.parallel()) {
+        map.tree = parts.trees.get(Key().part(map.solids), [&] {
+            return DepthTree(map.solids->data(), plan.size.x, plan.size.y);
+        });
     }
     map.columns =
         parts.maps.get(columns, [&] { return hides ? body.project(std::move(plan), with) : std::move(plan); });

@@ -22,6 +22,7 @@ struct LightParts {
     Kept<LightMap> maps;
     Kept<SolidDepths> solids;
     Kept<SheetDepths> sheets;
+    Kept<DepthTree> trees;
     Kept<LightVolume> volumes;
 
     void end_round();
@@ -55,6 +56,9 @@ private:
         std::shared_ptr<const LightMap> columns;
         std::shared_ptr<const SolidDepths> solids;
         std::shared_ptr<const SheetDepths> sheets;
+        std::shared_ptr<const DepthTree> tree; // of a sun's solids, for what is clear
+
+        [[nodiscard]] LightMapView view() const;
     };
 
     [[nodiscard]] static Map build_map(const LightView &light, const glm::dvec3 &sample, const Body &body,
