@@ -3,14 +3,15 @@
 // each ray. Of a light, in one colour, on the ray x(t),
 //     L = int sigma_s rho p E V exp(-D) dt
 // where the irradiance E, the phase function p and the optical depth D of the air, before the eye and before the light,
-// are smooth, and what is left of the light by all else, V, is not. So a ray is cut into sections that are short where V
-// is looked up; over a section V goes straight from end to end, and the rest is integrated by air.glsl. A section at whose
-// ends V differs is cut again.
+// are smooth, and what is left of the light by all else, V, is not. So a ray is cut into sections that are short where
+// V is looked up; over a section V goes straight from end to end, and the rest is integrated by air.glsl. A section at
+// whose ends V differs is cut again.
+#include "media/air_lanes.hpp"
+
 #include "frame/layers.hpp"
 #include "lights/lights_lanes.hpp"
 #include "maps/arriving_lanes.hpp"
 #include "maps/sections_lanes.hpp"
-#include "media/air_lanes.hpp"
 #include "text/camera_text.hpp"
 #include "text/lanes.hpp"
 #include "text/rays_text.hpp"
@@ -86,8 +87,8 @@ protected:
         const Arriving arriving = SFUMATO_ISA::arriving(at, way_.place(t));
         Open out;
         for (int c = 0; c < 3; ++c) {
-            out.of[c] = c < way_.colours ? arriving.share * RaysText().transmittance_of(arriving.optical_depth[c])
-                                         : out.of[0];
+            out.of[c] =
+                c < way_.colours ? arriving.share * RaysText().transmittance_of(arriving.optical_depth[c]) : out.of[0];
         }
         return out;
     }
@@ -148,7 +149,8 @@ protected:
 class SunShine : Shine {
 public:
     SunShine(const Way &way, const LightView &light) : Shine(way, light) {
-        const vec3 both = way.ray.direction - broadcast(light.direction), apart = way.ray.direction + broadcast(light.direction);
+        const vec3 both = way.ray.direction - broadcast(light.direction),
+                   apart = way.ray.direction + broadcast(light.direction);
         by_ = phases(0.25F * dot(apart, apart), 0.25F * dot(both, both));
     }
 
@@ -229,7 +231,8 @@ private:
             const vec3 middle = transform_point(map->world_to_light, way_.place(0.5F * (from + to)));
             // Beside the map there is nothing, and behind it what changes across it changes no more along it.
             const Mask beside = (min(middle.x, middle.y) <= 0.0F) | (max(middle.x, middle.y) >= 1.0F);
-            const Real across = max(abs(along.x) * static_cast<float>(map->width), abs(along.y) * static_cast<float>(map->height));
+            const Real across =
+                max(abs(along.x) * static_cast<float>(map->width), abs(along.y) * static_cast<float>(map->height));
             const Real deep = abs(along.z) * static_cast<float>(std::max(map->width, map->height));
             const Real texels = length * pick(middle.z >= 1.0F, across, max(across, deep));
             count = pick(beside, count, max(texels * (1.0F / TEXELS), count));
@@ -241,11 +244,12 @@ private:
         const Mask asked = to > from;
         const Real length = pick(asked, to - from, 0.0F);
         const auto place = [&](float x) { return from + length * x; };
-        in_sections(at, asked, sections(map, from, to), place, [&](float x0, float x1, const Open &before, const Open &after) {
-            if (any(before, after)) {
-                add_section(place(x0), place(x1), before, after, sum);
-            }
-        });
+        in_sections(at, asked, sections(map, from, to), place,
+                    [&](float x0, float x1, const Open &before, const Open &after) {
+                        if (any(before, after)) {
+                            add_section(place(x0), place(x1), before, after, sum);
+                        }
+                    });
     }
 
     void add_section(Real from, Real to, const Open &before, const Open &after, Real (&sum)[3]) const {
@@ -288,13 +292,16 @@ public:
         const auto stretch = AirText().lit_stretch(distance_, begin, max(end, begin), squeeze);
         const auto place = [&](float x) {
             // The ends of a stretch are known better than points near them.
-            return x <= 0.0F ? from : x >= 1.0F ? foot_ + end : foot_ + clamp(AirText().lit_point(stretch, x).place, begin, max(end, begin));
+            return x <= 0.0F   ? from
+                   : x >= 1.0F ? foot_ + end
+                               : foot_ + clamp(AirText().lit_point(stretch, x).place, begin, max(end, begin));
         };
-        in_sections(at_, asked, sections(asked, stretch.angle), place, [&](float x0, float x1, const Open &before, const Open &after) {
-            if (any(before, after)) {
-                add_section(asked, stretch, x0, x1, before, after, sum);
-            }
-        });
+        in_sections(at_, asked, sections(asked, stretch.angle), place,
+                    [&](float x0, float x1, const Open &before, const Open &after) {
+                        if (any(before, after)) {
+                            add_section(asked, stretch, x0, x1, before, after, sum);
+                        }
+                    });
     }
 
 private:
@@ -303,7 +310,8 @@ private:
         constexpr float FEWEST = 12.0F, TEXELS = 2.0F;
         Real count = FEWEST;
         if (const LightMapView *const map = this->map()) {
-            // From the middle of the octahedron's square to its edge it is a quarter of a turn, of which the angle is half.
+            // From the middle of the octahedron's square to its edge it is a quarter of a turn, of which the angle is
+            // half.
             const float per_radian = static_cast<float>(map->width) * map->scale[0] * 0.6366F;
             count = max(count, angle * (2.0F * per_radian / TEXELS));
         }
@@ -320,10 +328,11 @@ private:
             const vec3 place = way_.place(t);
             const Real distance2 = away2_ + point.place * point.place, distance = sqrt(distance2);
             // The light's own size, which the stretch takes for distance.
-            const Real rate = point.weight * point.radius * point.radius * LightsText().falloff(distance2, light_.size2);
+            const Real rate =
+                point.weight * point.radius * point.radius * LightsText().falloff(distance2, light_.size2);
             // tan(psi / 2) away = r + s, without its cancellation.
-            const Real turned = pick(point.place > 0.0F, distance + point.place,
-                                     away2_ / max(distance - point.place, 1e-30F));
+            const Real turned =
+                pick(point.place > 0.0F, distance + point.place, away2_ / max(distance - point.place, 1e-30F));
             const Real sine2 = turned * turned, whole = 1.0F / max(sine2 + away2_, 1e-30F);
             const Phases by = phases(sine2 * whole, away2_ * whole);
             const Way::Depth to_eye = way_.to_eye(t), to_light = way_.to_light(light_, light_.position, t);
@@ -342,7 +351,8 @@ private:
         return way_.air.even() ? Real(1.0F) : exp(-max(height_of(way_.air, place), -40.0F));
     }
 
-    Real foot_, away2_, distance_; // the light's foot on the ray; how far it is from there, its square and with its size
+    Real foot_, away2_,
+        distance_; // the light's foot on the ray; how far it is from there, its square and with its size
 };
 
 // What the air between two places sends to the eye.
@@ -381,8 +391,8 @@ void leave_knot(const Way &way, Real t, const Real (&radiance)[3], AirKnots &kno
     ++knots.count;
 }
 
-// From the first to the last of what else is met on any ray, in each lane within its own way; the whole way where nothing
-// is met.
+// From the first to the last of what else is met on any ray, in each lane within its own way; the whole way where
+// nothing is met.
 struct Stretch {
     Real from, to;
 };

@@ -40,9 +40,9 @@ struct FrameView {
     std::span<const glm::vec3> extinctions; // of all bodies that have light maps
     bool grey = true;                       // all of these are: one march serves all colours
     StrandsView strands;
-    std::span<const AirView> air;         // the world's comes first
-    const AirView *world_air = nullptr;   // it, or null
-    int air_body = -1;                    // of the world's air, among the bodies; or none
+    std::span<const AirView> air;       // the world's comes first
+    const AirView *world_air = nullptr; // it, or null
+    int air_body = -1;                  // of the world's air, among the bodies; or none
     glm::vec3 background{0.0F};
     float background_alpha = 0.0F;
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most

@@ -120,8 +120,8 @@ constexpr std::array PARTS = {
               [](const Making &making, Content &content) {
                   const FrameSettings &settings = making.settings;
                   const int samples = settings.shared_ranges ? 1 : settings.light_samples;
-                  content.lighting = Lighting(making.scene.lights, bodies_of(making, content), *content.surfaces, samples,
-                                              content.world_air ? content.air.data() : nullptr);
+                  content.lighting = Lighting(making.scene.lights, bodies_of(making, content), *content.surfaces,
+                                              samples, content.world_air ? content.air.data() : nullptr);
               }},
     PartStage{"light maps", lights_meet_bodies,
               [](const Making &making, Content &content) {
@@ -161,7 +161,8 @@ constexpr std::array RAYS = {
         [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.seen_media.empty(); },
         [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
            Layers &layers) { frame_kernels(with).march(view, packet, layers); }},
-    RayStage{"air", [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.air.empty(); },
+    RayStage{"air",
+             [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.air.empty(); },
              [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
                 Layers &layers) { frame_kernels(with).air(view, packet, layers); }},
     RayStage{"merge", [](const FrameView &view, LayerSet wanted) { return merges(view, wanted); }, merge},

@@ -41,8 +41,8 @@ struct Body {
 
 Body body_of(const CroppedMedium &medium);
 
-// What throws shadows in the world's air, as a body whose light maps know solids alone, and have so many texels along its
-// longer side; none where there is neither a solid nor a body.
+// What throws shadows in the world's air, as a body whose light maps know solids alone, and have so many texels along
+// its longer side; none where there is neither a solid nor a body.
 std::optional<Body> air_body(const Surfaces &surfaces, std::span<const Body> bodies, int texels);
 
 // A sphere around a body.

@@ -108,8 +108,8 @@ void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &sett
                 solids.coefficients = 1;
                 solids.texels_per_cell = samples_[i].size() > 1 ? 0.5 : 1.0;
                 map.blur = map.shared ? shadow_blur(views_[i], body) : 0.0;
-                made.push_back(build_map(views_[i], glm::dvec3(sample), body, surfaces, body.clear ? solids : map,
-                                         with, parts));
+                made.push_back(
+                    build_map(views_[i], glm::dvec3(sample), body, surfaces, body.clear ? solids : map, with, parts));
                 map_views.push_back(made.back().view());
             }
         }
@@ -158,9 +158,8 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
             parts.sheets.get(sheets, [&] { return find_sheets(plan, surfaces.view(), light.sheets, nearest); });
     }
     if (body.clear && light.parallel()) {
-        map.tree = parts.trees.get(Key().part(map.solids), [&] {
-            return DepthTree(map.solids->data(), plan.size.x, plan.size.y);
-        });
+        map.tree = parts.trees.get(Key().part(map.solids),
+                                   [&] { return DepthTree(map.solids->data(), plan.size.x, plan.size.y); });
     }
     map.columns =
         parts.maps.get(columns, [&] { return hides ? body.project(std::move(plan), with) : std::move(plan); });

@@ -81,7 +81,7 @@ struct ArrivingAt {
     const LightView *light = nullptr;
     std::span<const glm::vec3> extinctions; // of all bodies
     int own = 0;
-    bool grey = true; // all extinctions are
+    bool grey = true;             // all extinctions are
     const AirView *air = nullptr; // the world's; null where there is none
 };
 

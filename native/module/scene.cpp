@@ -482,13 +482,14 @@ edges cross.
 
 >>> Scene().add_polygon([[0, 0, 3], [1, 0, 3], [0, 1, 3]], (4, 4, 4))
 )")
-        .def("set_air", &set_air, py::arg("rayleigh") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
-             py::arg("mie") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
-             py::arg("absorption") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
-             py::arg("emission") = std::array<float, 3>{0.0F, 0.0F, 0.0F}, py::arg("anisotropy") = 0.0F,
-             py::arg("phase") = "henyey-greenstein", py::arg("scale_height") = 0.0F, py::arg("ground") = 0.0F,
-             py::arg("tint") = std::array<float, 3>{1.0F, 1.0F, 1.0F},
-             R"(Fill the world with air, which scatters the light of all lights on its way, once, and dims what lies in it.
+        .def(
+            "set_air", &set_air, py::arg("rayleigh") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+            py::arg("mie") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+            py::arg("absorption") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+            py::arg("emission") = std::array<float, 3>{0.0F, 0.0F, 0.0F}, py::arg("anisotropy") = 0.0F,
+            py::arg("phase") = "henyey-greenstein", py::arg("scale_height") = 0.0F, py::arg("ground") = 0.0F,
+            py::arg("tint") = std::array<float, 3>{1.0F, 1.0F, 1.0F},
+            R"(Fill the world with air, which scatters the light of all lights on its way, once, and dims what lies in it.
 
 rayleigh (3,), what it scatters per metre by 3 (1 + cos^2) / (16 pi); mie (3,), by Henyey and Greenstein's function
 (1941) or, where phase is 'cornette-shanks', by theirs (1992), both of the anisotropy in (-1, 1); absorption (3,), per

@@ -38,19 +38,16 @@ Ray camera_ray(const Camera &camera, double u, double v) {
 
 // Whether any smoke is at a point, or glows there; air is everywhere.
 bool smoky(const Scene &scene, const glm::dvec3 &x) {
-    return !scene.air.empty() ||
-           std::any_of(scene.media.begin(), scene.media.end(),
-                       [&](const Medium &medium) {
-                           return density(medium, x) > 0.0 || emission(medium, x) != glm::dvec3(0.0);
-                       }) ||
-           std::any_of(scene.particles.begin(), scene.particles.end(), [&](const Particles &particles) {
-               for (std::size_t i = 0; i < particles.points.size(); ++i) {
-                   if (extinction(particles, i, x) > 0.0) {
-                       return true;
-                   }
-               }
-               return false;
-           });
+    return !scene.air.empty() || std::any_of(scene.media.begin(), scene.media.end(), [&](const Medium &medium) {
+        return density(medium, x) > 0.0 || emission(medium, x) != glm::dvec3(0.0);
+    }) || std::any_of(scene.particles.begin(), scene.particles.end(), [&](const Particles &particles) {
+        for (std::size_t i = 0; i < particles.points.size(); ++i) {
+            if (extinction(particles, i, x) > 0.0) {
+                return true;
+            }
+        }
+        return false;
+    });
 }
 
 // How far it is from a point to where the light changes fast: the nearest surface of a sphere, from both sides, or the

@@ -14,7 +14,7 @@
 
 namespace sfumato {
 
-struct Air;    // scene/scene.hpp
+struct Air; // scene/scene.hpp
 struct Camera;
 struct Light;
 struct Medium;

@@ -157,7 +157,10 @@ def smoke(scene: Scene) -> None:
 def test_smoke_shades_air_and_air_dims_smoke(lamp: str, eye: Any) -> None:
     """The eye outside the smoke and in it."""
     scene = Scene()
-    LAMPS[lamp](scene)
+    if lamp == "sun":
+        scene.add_sun((0.5, 0.3, -1.0), (5, 4, 3))
+    else:
+        scene.add_point((1.5, 1.0, 2.5), (30, 24, 18))
     smoke(scene)
     scene.add_instances(QUAD, place((0, 0, -1), (8, 8, 1)), [[0.5, 0.5, 0.5]])
     scene.set_air((0.02, 0.03, 0.05), (0.2, 0.2, 0.2), anisotropy=0.4)

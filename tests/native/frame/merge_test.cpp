@@ -115,7 +115,9 @@ void fill(const Case &ray, int colours, double tint, int steps, Layers &layers) 
 void fill_air(const Case &ray, int colours, double tint, AirKnots &knots) {
     constexpr int STEPS = 64;
     knots.count = ray.air_density > 0.0 ? STEPS + 1 : 0;
-    const auto keep = [&knots](double value) { knots.values.insert(knots.values.end(), MAX_LANES, static_cast<float>(value)); };
+    const auto keep = [&knots](double value) {
+        knots.values.insert(knots.values.end(), MAX_LANES, static_cast<float>(value));
+    };
     for (int k = 0; k < knots.count; ++k) {
         const double t = double{END} * k / STEPS;
         keep(t);
