@@ -29,7 +29,10 @@ inline Real column_to(const AirView &air, const LightView &light, const glm::vec
     }
     const vec3 way = broadcast(sample) - place;
     const Real length = sqrt(max(dot(way, way), 1e-30F));
-    return column_on(air, place, way * (1.0F / length), length);
+    // Of a ball, what is seen is its surface.
+    const bool ball = light.kind == LightKind::SPHERE && light.facing2 == 0.0F && light.radius > 0.0F;
+    const Real until = ball ? max(AirText().way_to_sphere(length, light.radius), 0.0F) : length;
+    return column_on(air, place, way * (1.0F / length), until);
 }
 
 // Adds the optical depth of that in each colour.

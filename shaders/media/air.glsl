@@ -146,3 +146,9 @@ LitPoint lit_point(LitStretch stretch, float x)
   point.weight = 12.0f * x * rest * stretch.squeeze * stretch.angle * inverse / stretch.distance;
   return point;
 }
+
+// The mean way, within a twentieth of its radius, from outside a sphere to what is seen of it.
+float way_to_sphere(float to_middle, float radius)
+{
+  return to_middle - radius * (2.0f + radius / max(to_middle, radius + 1e-20f)) * (1.0f / 3.0f);
+}
