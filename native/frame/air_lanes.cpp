@@ -286,13 +286,14 @@ public:
         // Where air ends with height, none is so thin that its end is known.
         const glm::vec3 &e = way_.air.extinction;
         const float least = way_.air.even() ? std::min({e.x, e.y, e.z}) : 0.0F;
-        const Real begin = from - foot_;
-        const Real end = min(to - foot_, AirText().lit_until(distance_, begin, least, squeeze));
+        Real begin = from - foot_;
+        Real end = min(to - foot_, AirText().lit_until(distance_, begin, least, squeeze));
+        cut_at_cone(begin, end);
         const Mask asked = end > begin;
         const auto stretch = AirText().lit_stretch(distance_, begin, max(end, begin), squeeze);
         const auto place = [&](float x) {
             // The ends of a stretch are known better than points near them.
-            return x <= 0.0F   ? from
+            return x <= 0.0F   ? foot_ + begin
                    : x >= 1.0F ? foot_ + end
                                : foot_ + clamp(AirText().lit_point(stretch, x).place, begin, max(end, begin));
         };
@@ -305,6 +306,19 @@ public:
     }
 
 private:
+    // Of a spot, what lies in its cone, by distances from the foot.
+    void cut_at_cone(Real &begin, Real &end) const {
+        if (light_.cone_cosine < 0.0F || light_.oval) {
+            return;
+        }
+        const vec3 axis = broadcast(light_.direction);
+        const Real foot = dot(way_.place(foot_) - broadcast(light_.position), axis);
+        const auto part =
+            AirText().part_in_cone(sqrt(away2_), foot, dot(way_.ray.direction, axis), Real(light_.cone_cosine));
+        begin = max(begin, part.from);
+        end = min(end, part.to);
+    }
+
     // So many that a section crosses no more than two texels of the map, about.
     [[nodiscard]] int sections(Mask asked, Real angle) const {
         constexpr float FEWEST = 12.0F, TEXELS = 2.0F;
@@ -334,7 +348,11 @@ private:
             const Real turned =
                 pick(point.place > 0.0F, distance + point.place, away2_ / max(distance - point.place, 1e-30F));
             const Real sine2 = turned * turned, whole = 1.0F / max(sine2 + away2_, 1e-30F);
-            const Phases by = phases(sine2 * whole, away2_ * whole);
+            Phases by = phases(sine2 * whole, away2_ * whole);
+            constexpr float FAR = 6.0F; // of the light's size: from there all of it lies in one direction
+            if (light_.area > 0.0F && xsimd::any(asked & (distance2 < FAR * FAR * light_.size2))) {
+                by = phases_of_samples(place);
+            }
             const Way::Depth to_eye = way_.to_eye(t), to_light = way_.to_light(light_, light_.position, t);
             const Real amount = pick(asked, rate * (0.5F * width) * density(place), 0.0F);
             Real left = 0.0F;
@@ -345,6 +363,22 @@ private:
                 sum[c] = sum[c] + left * (before.of[c] + (after.of[c] - before.of[c]) * node) * scattered(by, c);
             }
         }
+    }
+
+    // On the mean over the light's samples, by what each brings.
+    [[nodiscard]] Phases phases_of_samples(const vec3 &place) const {
+        Phases sum{0.0F, 0.0F};
+        Real all = 1e-20F;
+        for (const glm::vec3 &sample : light_.samples) {
+            const Real share = sample_share(light_, sample, place);
+            const vec3 way = place - broadcast(sample);
+            const Real cosine = -dot(way, way_.ray.direction) * inversesqrt(max(dot(way, way), 1e-30F));
+            const Phases by = phases(0.5F - 0.5F * cosine, 0.5F + 0.5F * cosine);
+            sum.molecules = sum.molecules + share * by.molecules;
+            sum.dust = sum.dust + share * by.dust;
+            all = all + share;
+        }
+        return {sum.molecules / all, sum.dust / all};
     }
 
     [[nodiscard]] Real density(const vec3 &place) const {

@@ -51,7 +51,8 @@ public:
         const Real number = xsimd::to_float(knot_) + past;
         const auto last = static_cast<float>(knots_.count - 1);
         const Real ends = value(0, truncate(min(number, last))), begins = ends - step_;
-        return pick(number > last, ENDLESS, pick(t < begins, begins, ends));
+        // Rays that meet nothing have steps of no length.
+        return pick((number > last) | (ends <= t), ENDLESS, pick(t < begins, begins, ends));
     }
 
     Upto upto(Real t) {

@@ -58,7 +58,7 @@ float lit_by_sun(float column, float depth_front, float depth_back)
 // own falloff nor a ray that passes it close by is left in the integrand. The phase function's peak goes by
 //     tan(psi / 2) = k tan zeta,  k = (1 - g) / (1 + g):  p_HG dpsi = sqrt(cos^2 zeta + k^2 sin^2 zeta) dzeta / (2 pi (1 - g)) .
 // What is left is how the air's extinction sets in near either end; there x^2 (3 - 2 x) puts more of the points.
-// Sixteen of Gauss' points over x in (0, 1) leave 7e-5 at most, for g in [-.98, .999] and optical depths from .1 to 200.
+// Sixteen of Gauss' points over x in (0, 1) leave 7e-5 before rounding, for g in [-.98, .999] and depths of .1 to 200.
 // Angles enter by their unit vectors, which are interpolated on the circle: an angle near pi / 2 would have lost digits.
 
 // A part of a ray before a point light.
@@ -145,6 +145,45 @@ LitPoint lit_point(LitStretch stretch, float x)
   point.radius = size2 * along;
   point.weight = 12.0f * x * rest * stretch.squeeze * stretch.angle * inverse / stretch.distance;
   return point;
+}
+
+// ---- Where a light has a size, or a cone ----
+//
+// Such a stretch is cut where the integrand has a kink.
+
+// A part of a ray, by distances from the light's foot; none where `to` does not lie behind `from`.
+struct RayPart {
+  float from;
+  float to;
+};
+
+RayPart part_in_sphere(float distance, float radius)
+{
+  float half_chord = sqrt(max((radius - distance) * (radius + distance), 0.0f));
+  RayPart part;
+  part.from = -half_chord;
+  part.to = half_chord;
+  return part;
+}
+
+// Where a ray lies in a spot's cone, of at most a half-space. `foot` is how far along the cone's axis the light's foot on
+// the ray lies before the light, `along` the cosine between ray and axis. The ray is in the double cone where
+// a s^2 + 2 b s + c is positive, and in the half of it that shines where foot + along s is.
+RayPart part_in_cone(float distance, float foot, float along, float cosine_of_edge)
+{
+  float edge = max(cosine_of_edge, 1e-8f);
+  float a = (along - edge) * (along + edge), b = foot * along;
+  float c = (foot - edge * distance) * (foot + edge * distance);
+  a = pick(abs(a) < 1e-14f, -1e-14f, a);
+  float root2 = foot * foot + distance * distance * a;
+  float root = edge * sqrt(max(root2, 0.0f));
+  float sum = pick(b < 0.0f, root - b, -root - b);
+  float first = sum / a, second = c / pick(abs(sum) < 1e-30f, 1e-30f, sum);
+  float low = min(first, second), high = max(first, second);
+  RayPart part;
+  part.from = pick(a < 0.0f, low, pick(along > 0.0f, high, -1e30f));
+  part.to = pick(a < 0.0f, pick(foot > 0.0f && root2 > 0.0f, high, low), pick(along > 0.0f, 1e30f, low));
+  return part;
 }
 
 // The mean way, within a twentieth of its radius, from outside a sphere to what is seen of it.
