@@ -141,7 +141,9 @@ def test_lamps_in_open_air(lamp: str, height: float) -> None:
     scene.set_air((0.02, 0.03, 0.05), (0.1, 0.1, 0.1), (0.0, 0.02, 0.0), (0.01, 0, 0), 0.5, scale_height=height)
     camera = look((4.0, -3.0, 0.7), (0.0, 0.0, 0.5), far=12.0)
     wanted = judged(scene, camera, 0.05, light_samples_per_axis=8 if lamp == "area" else 1)
-    assert error(picture(scene, camera), wanted) < (0.01 if lamp in ("area", "sphere") else 0.001)
+    # Of a lamp with an extent it is those of its parts that are nearest to a ray that are off.
+    most = {"area": 0.015, "sphere": 0.005}.get(lamp, 0.001)
+    assert error(picture(scene, camera, light_samples=64), wanted) < most
 
 
 def smoke(scene: Scene) -> None:
