@@ -59,6 +59,8 @@ void Events::clear() {
     slices.count = 0;
     knots.count = 0;
     knots.values.clear();
+    air.count = 0;
+    air.values.clear();
 }
 
 } // namespace sfumato

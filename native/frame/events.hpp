@@ -49,10 +49,22 @@ struct Knots {
     std::vector<float> values; // where a step ends, the radiance, the optical depth in each colour; MAX_LANES a row
 };
 
+// Air from the eye up to places of each lane, the first of which is the eye.
+struct AirKnots {
+    int count = 0;
+    std::vector<float> values; // the place, the radiance, the optical depth in each colour; MAX_LANES a row
+
+    // Of a knot, one of its rows.
+    [[nodiscard]] const float *row(int knot, int number, int colours) const {
+        return values.data() + static_cast<std::ptrdiff_t>(knot * (4 + colours) + number) * MAX_LANES;
+    }
+};
+
 struct Events {
     std::array<std::vector<Fragment>, MAX_LANES> fragments; // of each lane, in any order
     Slices slices;
     Knots knots;
+    AirKnots air;
 
     // A lane keeps so many at most: where there are more, those far behind are taken together.
     static constexpr std::size_t MOST = 512;

@@ -50,6 +50,12 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
     view.sorted = view.surfaces.sheets.scene != nullptr;
     view.background = background_;
     view.background_alpha = background_alpha_;
+    view.world_air = content_.world_air ? content_.air.data() : nullptr;
+    if (wanted.has(Layer::SMOKE)) {
+        view.air = content_.air;
+        view.air_body = content_.air_body;
+        view.sorted = view.sorted || !view.air.empty();
+    }
     if (wanted.has(Layer::SMOKE) && content_.puffs && content_.puffs->seen > 0) {
         see_particles(camera, width, height, out);
     }

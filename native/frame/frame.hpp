@@ -59,9 +59,10 @@ public:
     }
     // Whether the camera sees any.
     [[nodiscard]] bool particles() const { return content_.puffs && content_.puffs->seen > 0; }
+    [[nodiscard]] bool air() const { return !content_.air.empty(); }
     // Whether anything else than grids may lie before an opaque surface, which takes sorting along each ray.
     [[nodiscard]] bool sorted() const {
-        return content_.surfaces->sheets() || particles() || !content_.strands.empty();
+        return content_.surfaces->sheets() || particles() || !content_.strands.empty() || air();
     }
     [[nodiscard]] bool grey() const { return content_.grey; }
     [[nodiscard]] const glm::dvec3 &origin() const { return origin_; }

@@ -5,6 +5,7 @@
 
 #include "frame/events.hpp"
 #include "lights/light.hpp"
+#include "media/air.hpp"
 #include "media/medium_view.hpp"
 #include "media/particle_view.hpp"
 #include "media/strand_view.hpp"
@@ -39,6 +40,9 @@ struct FrameView {
     std::span<const glm::vec3> extinctions; // of all bodies that have light maps
     bool grey = true;                       // all of these are: one march serves all colours
     StrandsView strands;
+    std::span<const AirView> air;       // the world's comes first
+    const AirView *world_air = nullptr; // it, or null
+    int air_body = -1;                  // of the world's air, among the bodies; or none
     glm::vec3 background{0.0F};
     float background_alpha = 0.0F;
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most
@@ -152,6 +156,7 @@ struct FrameKernels {
     void (*strands)(const FrameView &, const Packet &, Layers &);
     void (*particles)(const FrameView &, const Packet &, Layers &);
     void (*march)(const FrameView &, const Packet &, Layers &);
+    void (*air)(const FrameView &, const Packet &, Layers &);
     void (*merge)(const FrameView &, const Packet &, Layers &);
 };
 

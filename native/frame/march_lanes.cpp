@@ -127,7 +127,7 @@ template <int COLOURS>
 void march_in(const FrameView &frame, const Packet &packet, Layers &out) {
     Events *const events = out.events;
     text::MarchText<Real, Isa, Asked<COLOURS>> text{
-        {&frame, events != nullptr && events->any() ? &events->knots : nullptr}};
+        {&frame, events != nullptr && (events->any() || !frame.air.empty()) ? &events->knots : nullptr}};
     const auto &c = frame.camera;
     const auto ray =
         text.camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
@@ -151,12 +151,13 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
 void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet, Layers &out);   // sheets_lanes.cpp
 void trace_particles(const FrameView &frame, const Packet &packet, Layers &out);                 // particles_lanes.cpp
 void trace_strands(const FrameView &frame, const Packet &packet, Layers &out);                   // strands_lanes.cpp
+void trace_air(const FrameView &frame, const Packet &packet, Layers &out);                       // air_lanes.cpp
 void merge(const FrameView &frame, const Packet &packet, Layers &out);                           // merge_lanes.cpp
 
 void march(const FrameView &frame, const Packet &packet, Layers &out) {
     frame.grey ? march_in<1>(frame, packet, out) : march_in<3>(frame, packet, out);
 }
 
-extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_strands, trace_particles, march, merge};
+extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_strands, trace_particles, march, trace_air, merge};
 
 } // namespace sfumato::SFUMATO_ISA

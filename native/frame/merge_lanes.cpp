@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The stage that merges what a march, particles, and fragments send to the eye, front to back.
+// The stage that merges what a march, particles, fragments and air send to the eye, front to back.
 //
 // Of each ray, let fragments before a place leave L of what is behind them, particles exp(-P), and grids, up to t, send
 // R(t) and leave exp(-D(t)). Then between two fragments, in a slice of particles of optical depth p that would send s
 // by itself, what is added is
 //     L exp(-P) ( dR f(p) + exp(-D) s f(p + dD) ),    f(x) = (1 - exp(-x)) / x ,
-// where f is what a stretch of optical depth x leaves, on the mean over the stretch, of what is sent in it.
+// where f is what a stretch of optical depth x leaves, on the mean over the stretch, of what is sent in it. Air is as
+// grids are, with dA for dR and E for D: in a stretch that is no longer than a step of the march, what is added is
+//     L exp(-P) ( exp(-E) dR f(p + dE) + exp(-D) dA f(p + dD) + exp(-D - E) s f(p + dD + dE) ) .
 #include "frame/layers.hpp"
 #include "text/lanes.hpp"
 
@@ -42,6 +44,16 @@ public:
     explicit Grids(const Knots &knots) : knots_(knots), step_(Real::load_aligned(knots.step)) {}
 
     [[nodiscard]] bool any() const { return knots_.count > 0; }
+
+    // From `t` on, where the next step begins or ends.
+    [[nodiscard]] Real next(Real t) const {
+        const Real past = pick(value(0, knot_) <= t, 1.0F, 0.0F);
+        const Real number = xsimd::to_float(knot_) + past;
+        const auto last = static_cast<float>(knots_.count - 1);
+        const Real ends = value(0, truncate(min(number, last))), begins = ends - step_;
+        // Rays that meet nothing have steps of no length.
+        return pick((number > last) | (ends <= t), ENDLESS, pick(t < begins, begins, ends));
+    }
 
     Upto upto(Real t) {
         const Index last(knots_.count - 1);
@@ -81,6 +93,51 @@ private:
     const Knots &knots_;
     Real step_;
     Index knot_ = Index(0);
+};
+
+// The air up to a place; places only move on.
+template <int COLOURS>
+class Airs {
+public:
+    using Upto = typename Grids<COLOURS>::Upto;
+
+    explicit Airs(const AirKnots &knots) : knots_(knots) {}
+
+    [[nodiscard]] bool any() const { return knots_.count > 0; }
+
+    Upto upto(Real t) {
+        const auto last = static_cast<float>(knots_.count - 1);
+        while (true) {
+            const Real further = pick((value(0, 1) < t) & (knot_ + 1.0F < last), 1.0F, 0.0F);
+            if (!xsimd::any(further > 0.0F)) {
+                break;
+            }
+            knot_ = knot_ + further;
+        }
+        const Real low = value(0, 0), high = value(0, 1);
+        const Real share = clamp((t - low) / max(high - low, 1e-30F), 0.0F, 1.0F);
+        const auto between = [&](int row) {
+            const Real before = value(row, 0);
+            return before + (value(row, 1) - before) * share;
+        };
+        Upto out;
+        for (int c = 0; c < 3; ++c) {
+            out.radiance[c] = between(1 + c);
+        }
+        for (int c = 0; c < COLOURS; ++c) {
+            out.depth.of[c] = between(4 + c);
+        }
+        return out;
+    }
+
+private:
+    [[nodiscard]] Real value(int row, int after) const {
+        return gather(knots_.row(after, row, COLOURS),
+                      truncate(knot_) * Index((4 + COLOURS) * MAX_LANES) + truncate(lane_numbers()));
+    }
+
+    const AirKnots &knots_;
+    Real knot_ = 0.0F;
 };
 
 // The fragments of all lanes in order: the first of each, then the second.
@@ -123,15 +180,16 @@ private:
 template <int COLOURS>
 class Merge {
 public:
-    Merge(Events &events, Real end) : slices_(events.slices), fragments_(events), grids_(events.knots), end_(end) {
+    Merge(Events &events, Real end)
+        : slices_(events.slices), fragments_(events), grids_(events.knots), airs_(events.air), end_(end) {
         for (int c = 0; c < 3; ++c) {
             radiance_[c] = 0.0F;
             left_[c] = 1.0F;
-            here_.radiance[c] = 0.0F;
+            here_.radiance[c] = air_.radiance[c] = 0.0F;
         }
         for (int c = 0; c < COLOURS; ++c) {
             past_slices_.of[c] = 1.0F;
-            here_.depth.of[c] = 0.0F;
+            here_.depth.of[c] = air_.depth.of[c] = 0.0F;
         }
     }
 
@@ -156,7 +214,10 @@ public:
     }
 
 private:
-    [[nodiscard]] Real through(int c) const { return left_[c] * past_slices_.in(c)*exp(-here_.depth.in(c)); }
+    [[nodiscard]] Real through(int c) const {
+        const Real left = left_[c] * past_slices_.in(c)*exp(-here_.depth.in(c));
+        return airs_.any() ? left * exp(-air_.depth.in(c)) : left;
+    }
     [[nodiscard]] bool hidden() const {
         Real most = 0.0F;
         for (int c = 0; c < 3; ++c) {
@@ -189,20 +250,66 @@ private:
             const Real to = pick(met, max(distance, at), at);
             advance(slice, (to - at) * by, to);
             for (int c = 0; c < 3; ++c) {
-                const Real seen = left_[c] * past_slices_.in(c)*exp(-here_.depth.in(c));
+                const Real seen = through(c);
                 radiance_[c] = radiance_[c] + pick(met, seen * fragments_.next(1 + c), 0.0F);
                 left_[c] = left_[c] * pick(met, fragments_.next(4 + c), 1.0F);
             }
             fragments_.pass(met);
             at = to;
         }
-        if (particles_in(slice)) {
+        if (particles_in(slice) || airs_.any()) {
             advance(slice, (far - at) * by, far);
         }
     }
 
-    // Through a share of a slice, which ends at `to`. What grids send on the way is added where something else follows.
+    // Through a share of a slice, which ends at `to`.
     void advance(int slice, Real share, Real to) {
+        if (!airs_.any()) {
+            step(slice, share, to);
+            return;
+        }
+        to = max(min(to, end_), at_);
+        const Real per_length = share / max(to - at_, 1e-30F);
+        while (grids_.any()) {
+            const Real next = min(grids_.next(at_), to);
+            if (!xsimd::any(next < to)) {
+                break;
+            }
+            step_in_air(slice, per_length * (next - at_), next);
+        }
+        step_in_air(slice, per_length * (to - at_), to);
+    }
+
+    void step_in_air(int slice, Real share, Real to) {
+        const bool particles = particles_in(slice);
+        typename Grids<COLOURS>::Upto grids = here_, air = airs_.upto(to);
+        if (grids_.any()) {
+            grids = grids_.upto(to);
+        }
+        for (int c = 0; c < 3; ++c) {
+            const auto row = [&](const std::vector<float> &rows, int count) {
+                return particles ? row_of(rows, count * slice + (count == 1 ? 0 : c)) * share : Real(0.0F);
+            };
+            const Real p = row(slices_.depth, COLOURS), sent = row(slices_.sent, 3);
+            const Real d = grids.depth.in(c)-here_.depth.in(c), e = air.depth.in(c)-air_.depth.in(c);
+            const Real past_grids = exp(-here_.depth.in(c)), past_air = exp(-air_.depth.in(c));
+            Real sum = past_air * (grids.radiance[c] - here_.radiance[c]) * mean_left(p + e) +
+                       past_grids * (air.radiance[c] - air_.radiance[c]) * mean_left(p + d);
+            if (particles) {
+                sum = sum + past_grids * past_air * sent * mean_left(p + d + e);
+            }
+            radiance_[c] = radiance_[c] + left_[c] * past_slices_.in(c)*sum;
+        }
+        for (int c = 0; c < COLOURS && particles; ++c) {
+            past_slices_.of[c] = past_slices_.of[c] * exp(-row_of(slices_.depth, slice * COLOURS + c) * share);
+        }
+        here_ = grids;
+        air_ = air;
+        at_ = to;
+    }
+
+    // The same without air. What grids send on the way is added where something else follows.
+    void step(int slice, Real share, Real to) {
         const bool particles = particles_in(slice);
         Depth<COLOURS> taken;
         for (int c = 0; c < COLOURS; ++c) {
@@ -232,10 +339,12 @@ private:
     const Slices &slices_;
     Fragments fragments_;
     Grids<COLOURS> grids_;
+    Airs<COLOURS> airs_;
     Real end_;
+    Real at_ = 0.0F;
     Real radiance_[3], left_[3];
     Depth<COLOURS> past_slices_;
-    typename Grids<COLOURS>::Upto here_;
+    typename Grids<COLOURS>::Upto here_, air_; // up to at_
 };
 
 template <int COLOURS>
@@ -249,7 +358,7 @@ void merge_in(Layers &layers) {
 
 // Layers that a march has written stay where there is nothing else.
 void merge(const FrameView &frame, const Packet & /*packet*/, Layers &layers) {
-    if (!layers.events->any()) {
+    if (!layers.events->any() && frame.air.empty()) {
         if (frame.seen_media.empty()) {
             for (int c = 0; c < 3; ++c) {
                 Real(0.0F).store_aligned(layers.smoke[c]);

@@ -85,8 +85,10 @@ void arriving_light(const FrameView &frame, const Puffs::Body &body, std::size_t
         if (!light.reach.smoke || (light.reach.lights & body.visibility.lit_by) == 0 || light.samples.empty()) {
             continue;
         }
-        const Arriving arriving = SFUMATO_ISA::arriving(
-            {&light, frame.extinctions, static_cast<int>(frame.particles.first_body + number), COLOURS == 1}, place);
+        const Arriving arriving =
+            SFUMATO_ISA::arriving({&light, frame.extinctions, static_cast<int>(frame.particles.first_body + number),
+                                   COLOURS == 1, frame.world_air},
+                                  place);
         vec3 travel = broadcast(light.direction);
         Real share = arriving.share;
         if (!light.parallel()) {

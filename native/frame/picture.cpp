@@ -117,7 +117,8 @@ Unsure unsure_of(const Image &image, int x, int y) {
         fine = fine ||
                (holds_fine && (std::max({image.fine[before], image.fine[centre], image.fine[after]}) > LEAST_FINE ||
                                picture_bends(image, before, centre, after)));
-        if (rim || (edge && !shadow) || passes_bend(image, before, centre, after)) {
+        const bool shaft = image.shafts && picture_bends(image, before, centre, after);
+        if (rim || (edge && !shadow) || shaft || passes_bend(image, before, centre, after)) {
             found = Unsure::ALL;
         }
         found = edge ? std::max(found, Unsure::SHADOWS) : found;
@@ -279,6 +280,7 @@ std::optional<Image> traced(const Tracer &tracer, int width, int height, const F
     if (tracer.wanted.has(Layer::RADIANCE) && !tracer.view.strands.empty()) {
         image.fine.resize(image.distance.size());
     }
+    image.shafts = tracer.wanted.has(Layer::RADIANCE) && !tracer.view.air.empty();
     const bool closer = film.edge_samples > 1;
     if (!in_chunks(image, 0.0, closer ? 0.5 : 1.0, progress, [&](int y) { trace_row(tracer, film, image, y); }) ||
         (closer && !refine(tracer, film, progress, image))) {

@@ -27,6 +27,7 @@ struct Image {
     std::vector<float> seen;
     std::vector<float> distance;   // at the pixel's centre
     std::vector<float> fine;       // none where nothing may be finer than pixels
+    bool shafts = false;           // whether air is lit and shaded before surfaces
     std::vector<PassImage> passes; // those of `wanted`
 
     Image(LayerSet what, int w, int h)

@@ -6,6 +6,7 @@
 #include "lights/lights_lanes.hpp"
 #include "lights/shading.hpp"
 #include "maps/sampling.hpp"
+#include "media/air_lanes.hpp"
 #include "solids/all_hits_lanes.hpp"
 #include "solids/first_surface_lanes.hpp"
 #include "solids/hits_lanes.hpp"
@@ -64,6 +65,9 @@ inline void media_transmittance(const FrameView &frame, const LightView &light, 
             const vec3 place = place_on(map, point);
             add_optical_depth(map, locate(map, place.x, place.y), place, &frame.extinctions[m].x, colours,
                               m < frame.first_hair ? smoke : strands);
+        }
+        if (frame.world_air != nullptr) {
+            add_air(*frame.world_air, light, light.samples[j], point, colours, smoke);
         }
         for (int c = 0; c < colours; ++c) {
             const Real left = frame.first_hair < bodies ? share * RaysText().transmittance_of(strands[c]) : share;

@@ -31,13 +31,20 @@ bool lights_meet_bodies(const Scene & /*scene*/, const Content &content) {
 }
 
 // Grids first.
-std::vector<Body> bodies_of(const Content &content) {
+std::vector<Body> bodies_of(const Making &making, Content &content) {
     std::vector<Body> bodies;
     for (const CroppedMedium &medium : content.media) {
         bodies.push_back(body_of(medium));
     }
     for (std::size_t i = 0; content.puffs && i < content.puffs->bodies.size(); ++i) {
         bodies.push_back(body_of(content.puffs, i));
+    }
+    if (content.world_air) {
+        // What throws shadows in it.
+        if (const std::optional<Body> body = air_body(*content.surfaces, bodies, making.settings.air_texels)) {
+            content.air_body = static_cast<int>(bodies.size());
+            bodies.push_back(*body);
+        }
     }
     for (const Strands &strands : content.strands) {
         bodies.push_back(body_of(strands));
@@ -99,11 +106,22 @@ constexpr std::array PARTS = {
                   content.puffs = puffs_of(making.scene.particles);
                   content.grey = content.grey && (!content.puffs || content.puffs->grey());
               }},
+    PartStage{"world", [](const Scene &scene, const Content & /*content*/) { return !scene.air.empty(); },
+              [](const Making &making, Content &content) {
+                  for (const Air &air : making.scene.air) {
+                      if (air.shape == nullptr) {
+                          content.air.push_back(view_of(air));
+                          content.world_air = true;
+                          content.grey = content.grey && is_grey(content.air.back());
+                      }
+                  }
+              }},
     PartStage{"lights", [](const Scene &scene, const Content & /*content*/) { return !scene.lights.empty(); },
               [](const Making &making, Content &content) {
                   const FrameSettings &settings = making.settings;
                   const int samples = settings.shared_ranges ? 1 : settings.light_samples;
-                  content.lighting = Lighting(making.scene.lights, bodies_of(content), *content.surfaces, samples);
+                  content.lighting = Lighting(making.scene.lights, bodies_of(making, content), *content.surfaces,
+                                              samples, content.world_air ? content.air.data() : nullptr);
               }},
     PartStage{"light maps", lights_meet_bodies,
               [](const Making &making, Content &content) {
@@ -143,6 +161,10 @@ constexpr std::array RAYS = {
         [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.seen_media.empty(); },
         [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
            Layers &layers) { frame_kernels(with).march(view, packet, layers); }},
+    RayStage{"air",
+             [](const FrameView &view, LayerSet wanted) { return wanted.has(Layer::SMOKE) && !view.air.empty(); },
+             [](const InstructionSet &with, const FrameView &view, LayerSet /*wanted*/, const Packet &packet,
+                Layers &layers) { frame_kernels(with).air(view, packet, layers); }},
     RayStage{"merge", [](const FrameView &view, LayerSet wanted) { return merges(view, wanted); }, merge},
     RayStage{"composite", [](const FrameView & /*view*/, LayerSet /*wanted*/) { return true; },
              [](const InstructionSet &with, const FrameView &view, LayerSet wanted, const Packet & /*packet*/,

@@ -33,6 +33,7 @@ struct FrameSettings {
     BasisName basis = COSINE;     // of the light maps
     bool curved = false;          // light maps of resolved curves, and of no basis
     bool shared_ranges = false;   // one range a map: a large light has one map, and a filter stands for its size
+    int air_texels = 1024;        // along the longer side of what throws shadows in air, of the light maps for that
 };
 
 // Of a frame, what does not depend on the camera.
@@ -42,6 +43,9 @@ struct Content {
     std::vector<CroppedMedium> media;   // those that are not empty
     std::size_t seen_media = 0;         // those that the camera sees come first
     std::shared_ptr<const Puffs> puffs; // null where there are none
+    std::vector<AirView> air;           // the world's comes first
+    bool world_air = false;             // whether it is there
+    int air_body = -1;                  // and which of the bodies it is; or none
     bool grey = true;
     Lighting lighting;
 };

@@ -5,6 +5,7 @@
 #include "lights/lights_lanes.hpp"
 #include "maps/map_kernels.hpp"
 #include "maps/sampling.hpp"
+#include "media/air_lanes.hpp"
 #include "text/rays_text.hpp"
 
 #include <algorithm>
@@ -87,6 +88,9 @@ inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
                     }
                 }
             }
+        }
+        if (at.air != nullptr) {
+            add_air(*at.air, light, light.samples[j], world, colours, depth);
         }
         past_solids = past_solids + visible;
         sent = sent + weight;

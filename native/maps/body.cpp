@@ -3,12 +3,14 @@
 
 #include "maps/light_map.hpp"
 #include "media/medium.hpp"
+#include "solids/surfaces.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <span>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace sfumato {
@@ -37,6 +39,35 @@ Body body_of(const CroppedMedium &medium) {
                     strongest = medium.strongest()](LightMap plan, const InstructionSet &with) {
         return projected(std::move(plan), *grid, place, strongest, with);
     };
+    return body;
+}
+
+std::optional<Body> air_body(const Surfaces &surfaces, std::span<const Body> bodies, int texels) {
+    std::optional<Box> box = surfaces.bounds();
+    for (const Body &body : bodies) {
+        for (const glm::dvec3 &corner : body.corners()) {
+            box = box ? Box{glm::min(box->low, corner), glm::max(box->high, corner)} : Box{corner, corner};
+        }
+    }
+    if (!box) {
+        return std::nullopt;
+    }
+    glm::dvec3 extent = box->high - box->low;
+    const double longest = std::max({extent.x, extent.y, extent.z, 1e-6}), cell = longest / texels;
+    // A floor is as thick as a cell, and its shadow ends within the box.
+    const glm::dvec3 low = box->low - cell;
+    extent += 2.0 * cell;
+    Body body;
+    body.clear = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        body.cells_to_world[axis][axis] = cell;
+    }
+    body.cells_to_world[3] = glm::dvec4(low, 1.0);
+    body.cells = extent / cell;
+    body.cell_size = cell;
+    body.visibility.hides = 0;
+    body.scatters = false;
+    body.identify = [](Key & /*key*/) {};
     return body;
 }
 

@@ -9,6 +9,8 @@
 
 #include <array>
 #include <functional>
+#include <optional>
+#include <span>
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -17,6 +19,7 @@ namespace sfumato {
 
 struct CroppedMedium; // media/medium.hpp
 struct LightMap;      // maps/light_map.hpp
+class Surfaces;       // solids/surfaces.hpp
 
 struct Body {
     // A box of cells around it, as fine as its shadow.
@@ -27,6 +30,7 @@ struct Body {
     Visibility visibility;
     bool takes_light = true; // else it only glows, and no light is asked about it
     bool scatters = true;    // else no light is asked what it is worth in it: hair
+    bool clear = false;      // of its light rays only solids are known: the world's air
     // What its columns are made of; and a plan's map of them. Both may be called on any thread, at any later time.
     std::function<void(Key &)> identify;
     std::function<LightMap(LightMap plan, const InstructionSet &with)> project;
@@ -36,6 +40,10 @@ struct Body {
 };
 
 Body body_of(const CroppedMedium &medium);
+
+// What throws shadows in the world's air, as a body whose light maps know solids alone, and have so many texels along
+// its longer side; none where there is neither a solid nor a body.
+std::optional<Body> air_body(const Surfaces &surfaces, std::span<const Body> bodies, int texels);
 
 // A sphere around a body.
 struct Ball {

@@ -54,11 +54,13 @@ void LightParts::end_round() {
     maps.end_round();
     solids.end_round();
     sheets.end_round();
+    trees.end_round();
     volumes.end_round();
 }
 
-Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples)
-    : bodies_(std::move(bodies)) {
+Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples,
+                   const AirView *air)
+    : air_(air == nullptr ? std::nullopt : std::optional(*air)), bodies_(std::move(bodies)) {
     double cell = 0.0; // of the finest body that lights are asked about
     for (const Body &body : bodies_) {
         if (body.scatters) {
@@ -101,17 +103,28 @@ void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &sett
         std::vector<LightMapView> &map_views = map_views_.emplace_back();
         for (const glm::vec3 &sample : samples_[i]) {
             for (const Body &body : bodies_) {
+                // One number a texel, as coarse as itself.
+                LightMapSettings solids = map;
+                solids.coefficients = 1;
+                solids.texels_per_cell = samples_[i].size() > 1 ? 0.5 : 1.0;
                 map.blur = map.shared ? shadow_blur(views_[i], body) : 0.0;
-                made.push_back(build_map(views_[i], glm::dvec3(sample), body, surfaces, map, with, parts));
-                map_views.push_back(made.back().columns
-                                        ? made.back().columns->view(made.back().solids.get(), made.back().sheets.get())
-                                        : LightMapView{});
+                made.push_back(
+                    build_map(views_[i], glm::dvec3(sample), body, surfaces, body.clear ? solids : map, with, parts));
+                map_views.push_back(made.back().view());
             }
         }
     }
     for (std::size_t i = 0; i < views_.size(); ++i) {
         views_[i].maps = map_views_[i].data();
     }
+}
+
+LightMapView Lighting::Map::view() const {
+    LightMapView view = columns ? columns->view(solids.get(), sheets.get()) : LightMapView{};
+    if (tree) {
+        view.tree = tree->view();
+    }
+    return view;
 }
 
 Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &sample, const Body &body,
@@ -144,6 +157,10 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
         map.sheets =
             parts.sheets.get(sheets, [&] { return find_sheets(plan, surfaces.view(), light.sheets, nearest); });
     }
+    if (body.clear && light.parallel()) {
+        map.tree = parts.trees.get(Key().part(map.solids),
+                                   [&] { return DepthTree(map.solids->data(), plan.size.x, plan.size.y); });
+    }
     map.columns =
         parts.maps.get(columns, [&] { return hides ? body.project(std::move(plan), with) : std::move(plan); });
     return map;
@@ -166,6 +183,9 @@ Key Lighting::arriving_key(std::size_t light, std::size_t own, bool grey) const 
         key.part(map.columns).part(map.solids).part(map.sheets);
     }
     key.number(lights_smoke(view, bodies_[own]), own);
+    if (air_ && !(view.parallel() && air_->per_height == 0.0F)) {
+        key.number(air_->extinction.x, air_->extinction.y, air_->extinction.z, air_->per_height, air_->ground);
+    }
     key.numbers(std::span<const float>(&extinctions_.front().x, 3 * extinctions_.size()));
     return key;
 }
@@ -190,7 +210,7 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
                     return volume;
                 }
                 LightBox box;
-                box.at = {&views_[i], extinctions_, static_cast<int>(m), grey};
+                box.at = {&views_[i], extinctions_, static_cast<int>(m), grey, air_ ? &*air_ : nullptr};
                 box.clearance = unlit.views[m].clearance;
                 box.grid_to_world = affine(medium.grid_to_world);
                 const Grid &grid = *medium.grid;

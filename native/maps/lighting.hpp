@@ -5,11 +5,13 @@
 #include "lights/light.hpp"
 #include "maps/light_map.hpp"
 #include "maps/sheet_depths.hpp"
+#include "media/air.hpp"
 #include "media/medium.hpp"
 #include "scene/kept.hpp"
 #include "solids/surfaces.hpp"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +22,7 @@ struct LightParts {
     Kept<LightMap> maps;
     Kept<SolidDepths> solids;
     Kept<SheetDepths> sheets;
+    Kept<DepthTree> trees;
     Kept<LightVolume> volumes;
 
     void end_round();
@@ -30,7 +33,9 @@ class Lighting {
 public:
     Lighting() = default;
     // Of each light its view and, at most most_samples of them, the points at which it is sampled.
-    Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples);
+    // `air`: the world's, which dims lights on their way; null where there is none.
+    Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples,
+             const AirView *air = nullptr);
     // The maps of every body from every sample of every light.
     void build_maps(const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
                     LightParts &parts);
@@ -51,6 +56,9 @@ private:
         std::shared_ptr<const LightMap> columns;
         std::shared_ptr<const SolidDepths> solids;
         std::shared_ptr<const SheetDepths> sheets;
+        std::shared_ptr<const DepthTree> tree; // of a sun's solids, for what is clear
+
+        [[nodiscard]] LightMapView view() const;
     };
 
     [[nodiscard]] static Map build_map(const LightView &light, const glm::dvec3 &sample, const Body &body,
@@ -59,6 +67,7 @@ private:
     // What of a light arrives in one of the bodies, as far as that is known without what is lit there.
     [[nodiscard]] Key arriving_key(std::size_t light, std::size_t own, bool grey) const;
 
+    std::optional<AirView> air_;
     std::vector<Body> bodies_;
     std::vector<glm::vec3> extinctions_;
     std::vector<std::vector<glm::vec3>> samples_; // of each light

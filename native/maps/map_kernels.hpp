@@ -16,6 +16,8 @@
 
 namespace sfumato {
 
+struct AirView; // media/air.hpp
+
 // One row of texels, slice by slice.
 struct ProjectRow {
     GridView density;
@@ -79,7 +81,8 @@ struct ArrivingAt {
     const LightView *light = nullptr;
     std::span<const glm::vec3> extinctions; // of all bodies
     int own = 0;
-    bool grey = true; // all extinctions are
+    bool grey = true;             // all extinctions are
+    const AirView *air = nullptr; // the world's; null where there is none
 };
 
 // Fills a box of cells of one light's volume: a slice, or a brick.

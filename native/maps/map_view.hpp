@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "maps/depth_tree.hpp"
 #include "rays/basis.hpp"
 #include "scene/affine.hpp"
 
@@ -37,6 +38,7 @@ struct LightMapView {
     const float *coefficients = nullptr;
     const float *solid_depth = nullptr;
     SheetsOnMap sheets;
+    DepthTreeView tree; // of solid_depth, where rays are followed across the map
     int count = 1;
     int width = 0, height = 0;
     bool radial = false;

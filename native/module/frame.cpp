@@ -44,8 +44,10 @@ FrameSettings settings_of(std::optional<int> coefficients, const std::string &ba
 
 Frame make_frame(const ConsoleScene &scene, std::optional<int> coefficients, double texels_per_cell,
                  double steps_per_cell, int light_samples, const std::shared_ptr<Prepared> &prepared,
-                 const std::string &basis, const std::string &ranges) {
+                 const std::string &basis, const std::string &ranges, int air_texels) {
     FrameSettings settings = settings_of(coefficients, basis, ranges);
+    require_range(air_texels, 16, 8192, "air_texels");
+    settings.air_texels = air_texels;
     require_range(texels_per_cell, 0.05, 8.0, "texels_per_cell");
     require_range(steps_per_cell, 0.05, 64.0, "steps_per_cell");
     require_range(light_samples, 1, 1024, "light_samples");
@@ -273,7 +275,8 @@ number), 'piecewise' or 'learned', as project makes them, or a 'curve' (RayStora
 ray's series spans the ray's own smoke; 'shared': the map's whole depth, so that coefficients filter: a large light has
 one map, and a filter stands for its size.
 texels_per_cell and steps_per_cell relate the maps' resolution and the march along view rays to the cells of the smoke;
-light_samples, the most points at which a light is sampled that is large enough to blur the smoke's shadow. What
+light_samples, the most points at which a light is sampled that is large enough to blur the smoke's shadow; air_texels,
+the resolution along its longer side of what throws shadows in the world's air, of the maps for that. What
 `prepared`, a Prepared, knows from an earlier frame is not made again.
 
 >>> import numpy as np
@@ -286,7 +289,8 @@ light_samples, the most points at which a light is sampled that is large enough 
              py::arg("texels_per_cell") = FrameSettings{}.texels_per_cell,
              py::arg("steps_per_cell") = FrameSettings{}.steps_per_cell,
              py::arg("light_samples") = FrameSettings{}.light_samples, py::arg("prepared") = py::none(),
-             py::arg("basis") = BASES[FrameSettings{}.basis].name, py::arg("ranges") = "own")
+             py::arg("basis") = BASES[FrameSettings{}.basis].name, py::arg("ranges") = "own",
+             py::arg("air_texels") = FrameSettings{}.air_texels)
         .def("render", &render, py::arg("camera"), py::arg("width"), py::arg("height"), py::arg("edge_samples") = 16,
              py::arg("progress") = py::none(),
              R"(The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom.
@@ -401,9 +405,10 @@ the square of the light's size, as in falloff() of shaders/lights/light.glsl; st
         .def_property_readonly("opaque", &Frame::opaque,
                                "Whether every surface has an alpha of 1: none is held out, or catches shadows.")
         .def_property_readonly("particles", &Frame::particles, "Whether the camera sees any particles.")
+        .def_property_readonly("air", &Frame::air, "Whether air fills the world, or a mesh.")
         .def_property_readonly("sorted", &Frame::sorted,
                                "Whether anything else than grids may lie before an opaque surface, such as transparent "
-                               "meshes: pictures of that are the processor's alone.")
+                               "meshes, or air: pictures of that are the processor's alone.")
         .def_property_readonly(
             "origin", [](const Frame &frame) { return py::array_t<double>(3, &frame.origin().x); },
             "The scene's, (3,): the place in the world to which cameras and points are relative.")
@@ -418,8 +423,8 @@ the square of the light's size, as in falloff() of shaders/lights/light.glsl; st
                 return out;
             },
             R"(The stages that ran so far, in order, and the seconds that each took: of "solids", "smoke", "particles",
-"lights", "light maps" and "light volumes", when the frame was made; of "surfaces", "sheets", "slices" of particles,
-"march", "merge" and "composite", in all pictures since, summed over the threads. What a scene does not need is not there.
+"world", "lights", "light maps" and "light volumes", when the frame was made; of "surfaces", "sheets", "slices" of particles,
+"march", "air", "merge" and "composite", in all pictures since, summed over the threads. What a scene does not need is not there.
 
 >>> import numpy as np
 >>> frame = Frame(Scene())

@@ -483,6 +483,27 @@ edges cross.
 >>> Scene().add_polygon([[0, 0, 3], [1, 0, 3], [0, 1, 3]], (4, 4, 4))
 )")
         .def(
+            "set_air", &set_air, py::arg("rayleigh") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+            py::arg("mie") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+            py::arg("absorption") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+            py::arg("emission") = std::array<float, 3>{0.0F, 0.0F, 0.0F}, py::arg("anisotropy") = 0.0F,
+            py::arg("phase") = "henyey-greenstein", py::arg("scale_height") = 0.0F, py::arg("ground") = 0.0F,
+            py::arg("tint") = std::array<float, 3>{1.0F, 1.0F, 1.0F},
+            R"(Fill the world with air, which scatters the light of all lights on its way, once, and dims what lies in it.
+
+rayleigh (3,), what it scatters per metre by 3 (1 + cos^2) / (16 pi); mie (3,), by Henyey and Greenstein's function
+(1941) or, where phase is 'cornette-shanks', by theirs (1992), both of the anisotropy in (-1, 1); absorption (3,), per
+metre; emission (3,), W/(m^3 sr). It is the same everywhere; or, where scale_height is positive, less with the height z
+over ground, both in metres: as exp(-(z - ground) / scale_height). tint (3,), an artist's, is by what all that is
+scattered is multiplied; 1 is physical.
+The irradiance of suns is that which arrives: even air does not dim it. Where air ends with height, its column above a
+place does. Raises ValueError for wrong shapes and values that are not finite or not in range.
+
+>>> scene = Scene()
+>>> scene.set_air(rayleigh=(5.8e-6, 13.6e-6, 33.1e-6), mie=(4e-6, 4e-6, 4e-6), anisotropy=0.76, scale_height=8000)
+>>> scene.set_air()  # none
+)")
+        .def(
             "set_background",
             [](ConsoleScene &scene, const Floats &radiance, float alpha) {
                 require_range(radiance, 0.0F, 1e30F, "radiance");

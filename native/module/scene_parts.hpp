@@ -70,4 +70,9 @@ std::size_t add_strands(ConsoleScene &scene, const arguments::Floats &points, co
                         const std::optional<arguments::Floats> &matt, const std::optional<arguments::Doubles> &material,
                         bool smooth, const std::optional<Visibility> &visibility);
 
+// The world's, in the place of one that was there; none where nothing scatters, absorbs or emits.
+void set_air(ConsoleScene &scene, const arguments::Floats &rayleigh, const arguments::Floats &mie,
+             const arguments::Floats &absorption, const arguments::Floats &emission, float anisotropy,
+             const std::string &phase, float scale_height, float ground, const arguments::Floats &tint);
+
 } // namespace sfumato

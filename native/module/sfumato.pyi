@@ -27,7 +27,11 @@ class Frame:
         prepared: Prepared | None = None,
         basis: str = "cosine",
         ranges: str = "own",
+        air_texels: int = 1024,
     ) -> None: ...
+    @property
+    def air(self) -> bool:
+        """Whether air fills the world, or a mesh."""
     def glance(
         self,
         camera: Camera,
@@ -102,15 +106,15 @@ class Frame:
         """The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom."""
     @property
     def sorted(self) -> bool:
-        """Whether anything else than grids may lie before an opaque surface, such as transparent meshes: pictures of
-        that are the processor's alone.
+        """Whether anything else than grids may lie before an opaque surface, such as transparent meshes, or air:
+        pictures of that are the processor's alone.
         """
     @property
     def stages(self) -> dict:
         """The stages that ran so far, in order, and the seconds that each took: of "solids", "smoke", "particles",
-        "lights", "light maps" and "light volumes", when the frame was made; of "surfaces", "sheets", "slices" of
-        particles, "march", "merge" and "composite", in all pictures since, summed over the threads. What a scene
-        does not need is not there.
+        "world", "lights", "light maps" and "light volumes", when the frame was made; of "surfaces", "sheets",
+        "slices" of particles, "march", "air", "merge" and "composite", in all pictures since, summed over the
+        threads. What a scene does not need is not there.
         """
     @property
     def step_length(self) -> float:
@@ -462,6 +466,21 @@ class Scene:
     ) -> None:
         """Add a sun: direction (3,) in which its light travels; irradiance (3,) in W/m^2 on a surface that faces it;
         angle, its angular diameter in radians; reach, what it reaches and what hides it, or all of that.
+        """
+    def set_air(
+        self,
+        rayleigh: ArrayLike = [0.0, 0.0, 0.0],
+        mie: ArrayLike = [0.0, 0.0, 0.0],
+        absorption: ArrayLike = [0.0, 0.0, 0.0],
+        emission: ArrayLike = [0.0, 0.0, 0.0],
+        anisotropy: float = 0.0,
+        phase: str = "henyey-greenstein",
+        scale_height: float = 0.0,
+        ground: float = 0.0,
+        tint: ArrayLike = [1.0, 1.0, 1.0],
+    ) -> None:
+        """Fill the world with air, which scatters the light of all lights on its way, once, and dims what lies in
+        it.
         """
     def set_background(self, radiance: ArrayLike, alpha: float = 0.0) -> None:
         """Set the radiance (3,) where no surface is, and the alpha there. It lights nothing."""

@@ -85,6 +85,9 @@ glm::dvec3 transmittance(const Scene &scene, const glm::dvec3 &from, const glm::
     for (const Particles &particles : scene.particles) {
         product *= transmittance(particles, from, to);
     }
+    for (const Air &air : scene.air) {
+        product *= transmittance(air, from, to);
+    }
     return product;
 }
 

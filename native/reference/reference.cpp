@@ -36,20 +36,18 @@ Ray camera_ray(const Camera &camera, double u, double v) {
     return ray;
 }
 
-// Whether any smoke is at a point, or glows there.
+// Whether any smoke is at a point, or glows there; air is everywhere.
 bool smoky(const Scene &scene, const glm::dvec3 &x) {
-    return std::any_of(scene.media.begin(), scene.media.end(),
-                       [&](const Medium &medium) {
-                           return density(medium, x) > 0.0 || emission(medium, x) != glm::dvec3(0.0);
-                       }) ||
-           std::any_of(scene.particles.begin(), scene.particles.end(), [&](const Particles &particles) {
-               for (std::size_t i = 0; i < particles.points.size(); ++i) {
-                   if (extinction(particles, i, x) > 0.0) {
-                       return true;
-                   }
-               }
-               return false;
-           });
+    return !scene.air.empty() || std::any_of(scene.media.begin(), scene.media.end(), [&](const Medium &medium) {
+        return density(medium, x) > 0.0 || emission(medium, x) != glm::dvec3(0.0);
+    }) || std::any_of(scene.particles.begin(), scene.particles.end(), [&](const Particles &particles) {
+        for (std::size_t i = 0; i < particles.points.size(); ++i) {
+            if (extinction(particles, i, x) > 0.0) {
+                return true;
+            }
+        }
+        return false;
+    });
 }
 
 // How far it is from a point to where the light changes fast: the nearest surface of a sphere, from both sides, or the
@@ -88,7 +86,7 @@ void append_steps(const Scene &scene, const Ray &ray, double from, double to, do
 // cell centres of any medium, or the rim of a particle, where its density has a kink: within one, everything is smooth.
 std::vector<double> step_ends(const Scene &scene, const Ray &ray, double end, const Settings &settings) {
     std::vector<double> kinks;
-    if (!scene.particles.empty()) {
+    if (!scene.particles.empty() || !scene.air.empty()) {
         kinks = {0.0, 1.0};
     }
     const auto add = [&kinks](const std::vector<double> &own) { kinks.insert(kinks.end(), own.begin(), own.end()); };
@@ -118,11 +116,14 @@ std::vector<double> step_ends(const Scene &scene, const Ray &ray, double end, co
 }
 
 // Light that the smoke at x emits, and that it scatters once into the direction `onwards`, for each metre:
-//     sum over media  e(x)  +  sum over media, particles and lights  sigma_s rho(x) p(theta) E V(x, light) .
+//     sum over media  e(x)  +  sum over media, particles, air and lights  sigma_s rho(x) p(theta) E V(x, light) .
 glm::dvec3 sent_at(const Scene &scene, const glm::dvec3 &x, const glm::dvec3 &onwards, unsigned samples_per_axis) {
     glm::dvec3 sum(0.0);
     for (const Medium &medium : scene.media) {
         sum += emission(medium, x);
+    }
+    for (const Air &air : scene.air) {
+        sum += emission(air, x);
     }
     for (const Light &light : scene.lights) {
         for (const LightSample &sample : light_samples(light, x, samples_per_axis)) {
@@ -139,6 +140,9 @@ glm::dvec3 sent_at(const Scene &scene, const glm::dvec3 &x, const glm::dvec3 &on
                 const double phase =
                     henyey_greenstein(glm::dot(-sample.towards, onwards), double{particles.anisotropy});
                 sum += scattering(particles, x) * phase * arriving;
+            }
+            for (const Air &air : scene.air) {
+                sum += scattered(air, x, glm::dot(-sample.towards, onwards)) * arriving;
             }
         }
     }

@@ -14,7 +14,8 @@
 
 namespace sfumato {
 
-struct Camera; // scene/scene.hpp
+struct Air; // scene/scene.hpp
+struct Camera;
 struct Light;
 struct Medium;
 struct Particles;
@@ -69,7 +70,17 @@ std::vector<double> crossings(const Particles &particles, const glm::dvec3 &from
 glm::dvec3 optical_depth(const Particles &particles, const glm::dvec3 &from, const glm::dvec3 &to);
 glm::dvec3 transmittance(const Particles &particles, const glm::dvec3 &from, const glm::dvec3 &to);
 
-// Through all smoke and particles.
+// ---- The world's air (world_air.cpp) ----
+
+glm::dvec3 transmittance(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to);
+// Towards a sun, whose irradiance is that which arrives: even air lets all of it through, and air that ends with height
+// what is left by that above.
+glm::dvec3 transmittance_to_infinity(const Air &air, const glm::dvec3 &from, const glm::dvec3 &towards);
+// What it scatters there at an angle, per metre and steradian, of light of irradiance 1; and what it emits, per metre.
+glm::dvec3 scattered(const Air &air, const glm::dvec3 &world, double cos_theta);
+glm::dvec3 emission(const Air &air, const glm::dvec3 &world);
+
+// Through all smoke, particles and air.
 glm::dvec3 transmittance(const Scene &scene, const glm::dvec3 &from, const glm::dvec3 &to);
 
 // Henyey and Greenstein (1941), per steradian. cos_theta is the cosine between the directions in which the light

@@ -153,6 +153,9 @@ glm::dvec3 visibility(const Scene &scene, const glm::dvec3 &origin, const glm::d
         }
         product *= transmittance(particles, origin, origin + reach * towards);
     }
+    for (const Air &air : scene.air) {
+        product *= transmittance_to_infinity(air, origin, towards);
+    }
     return product;
 }
 

@@ -163,11 +163,29 @@ struct Strands {
     Visibility visibility;               // SHOWN or UNSEEN
 };
 
+// What fills the whole world, or a closed mesh, evenly or less with height, and scatters light on its way. The world's
+// does not dim a sun, whose strength is that which arrives, unless it ends with height.
+struct Air {
+    // Scattering per metre (at `ground`): by Rayleigh's phase function, and by that of dust and droplets.
+    glm::vec3 rayleigh{0.0F}, mie{0.0F};
+    glm::vec3 absorption{0.0F};
+    glm::vec3 emission{0.0F};     // W/(m^3 sr), likewise
+    float anisotropy = 0.0F;      // of the second, in (-1, 1)
+    bool cornette_shanks = false; // else Henyey and Greenstein's
+    // Density is exp(-(z - ground) / scale_height), metres; a height of 0: the same everywhere.
+    float scale_height = 0.0F, ground = 0.0F;
+    glm::vec3 shaft_tint{1.0F};         // an artist's: times what is scattered; 1 is physical
+    std::shared_ptr<const Shape> shape; // closed, what is inside it; none: everywhere
+    std::vector<glm::mat4> to_world;    // of the shape, the places; of the world none
+    Visibility visibility;              // SHOWN or UNSEEN
+};
+
 struct Scene {
     std::vector<Instances> meshes;
     std::vector<Medium> media;        // where they overlap, their densities add
     std::vector<Particles> particles; // with each other's and with those of the media, too
     std::vector<Strands> strands;
+    std::vector<Air> air; // their densities add, too
     std::vector<Light> lights;
     glm::vec3 background{0.0F};    // radiance where no surface is; it lights nothing
     float background_alpha = 0.0F; // 1 where the picture is to have none of another behind it

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
 namespace sfumato {
@@ -334,6 +335,20 @@ RayScene view_of(const std::shared_ptr<const Places> &places) {
 SurfaceView Surfaces::view() const {
     return {view_of(all_), view_of(seen_), view_of(sheets_),   view_of(catchers_),
             plain_,        views_.data(),  properties_.data(), tangents_};
+}
+
+std::optional<Box> Surfaces::bounds() const {
+    std::optional<Box> box;
+    for (const std::shared_ptr<const Places> &places : {all_, sheets_}) {
+        if (places == nullptr) {
+            continue;
+        }
+        RTCBounds of;
+        rtcGetSceneBounds(places->scene.get(), &of);
+        const glm::dvec3 low(of.lower_x, of.lower_y, of.lower_z), high(of.upper_x, of.upper_y, of.upper_z);
+        box = box ? Box{glm::min(box->low, low), glm::max(box->high, high)} : Box{low, high};
+    }
+    return box;
 }
 
 std::shared_ptr<const Places> Surfaces::hiding(const Light &light) const {

@@ -10,6 +10,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -50,6 +51,10 @@ struct Places {
     bool instanced = false;
 };
 
+struct Box {
+    glm::dvec3 low{0.0}, high{0.0};
+};
+
 // What was made of shapes and of gloss before.
 class Solids {
 public:
@@ -88,6 +93,8 @@ public:
     // Whether none that the camera sees is a holdout or a catcher; whether it sees any sheet.
     [[nodiscard]] bool opaque() const { return opaque_; }
     [[nodiscard]] bool sheets() const { return sheets_ != nullptr; }
+    // Of all that stands there; none where nothing does.
+    [[nodiscard]] std::optional<Box> bounds() const;
     // Of each material in turn the three colours, where any dims a light; and whether all of these are grey.
     [[nodiscard]] std::span<const float> transmittances() const { return transmittances_; }
     [[nodiscard]] bool dims_greyly() const;

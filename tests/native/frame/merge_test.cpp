@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <random>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,13 +18,15 @@ namespace {
 
 constexpr float END = 8.0F; // metres to the surface
 
-// On one ray: smoke of a grid that is the same between two depths, slices of particles, fragments.
+// On one ray: smoke of a grid that is the same between two depths, slices of particles, fragments, and air, which sends
+// where light falls into it.
 struct Case {
     double grid_from = 0.0, grid_to = 0.0, grid_density = 0.0, grid_sends = 0.0; // per metre
     double first = 0.0, width = 1.0;
     std::vector<double> depth; // of each slice, and what it sends, in each colour
     std::vector<std::array<double, 3>> sent;
     std::vector<Fragment> fragments;
+    double air_density = 0.0, air_sends = 0.0, air_lit_from = 0.0, air_lit_to = double{END};
 };
 
 struct Result {
@@ -52,6 +55,8 @@ Result integrated(const Case &ray, double tint = 1.0) {
         for (std::size_t c = 0; c < 3; ++c) {
             const double colour = c == 0 ? 1.0 : tint; // of all depths
             double taken = in_grid ? ray.grid_density * colour : 0.0, sent = in_grid ? ray.grid_sends : 0.0;
+            taken += ray.air_density * colour;
+            sent += t > ray.air_lit_from && t < ray.air_lit_to ? ray.air_sends : 0.0;
             if (in_slice) {
                 taken += ray.depth[static_cast<std::size_t>(slice)] * colour / ray.width;
                 sent += ray.sent[static_cast<std::size_t>(slice)][c] / ray.width;
@@ -106,6 +111,27 @@ void fill(const Case &ray, int colours, double tint, int steps, Layers &layers) 
     }
 }
 
+// Of air, at 64 places as far as the surface.
+void fill_air(const Case &ray, int colours, double tint, AirKnots &knots) {
+    constexpr int STEPS = 64;
+    knots.count = ray.air_density > 0.0 ? STEPS + 1 : 0;
+    const auto keep = [&knots](double value) {
+        knots.values.insert(knots.values.end(), MAX_LANES, static_cast<float>(value));
+    };
+    for (int k = 0; k < knots.count; ++k) {
+        const double t = double{END} * k / STEPS;
+        keep(t);
+        for (int c = 0; c < 3; ++c) {
+            const double density = ray.air_density * (c == 0 ? 1.0 : tint);
+            const double from = std::min(ray.air_lit_from, t), to = std::min(ray.air_lit_to, t);
+            keep(ray.air_sends / density * (std::exp(-density * from) - std::exp(-density * to)));
+        }
+        for (int c = 0; c < colours; ++c) {
+            keep(ray.air_density * (c == 0 ? 1.0 : tint) * t);
+        }
+    }
+}
+
 void expect_merged(const Case &ray, double tolerance, const char *what) {
     for (const double tint : {1.0, 0.4}) {
         const Result wanted = integrated(ray, tint);
@@ -117,6 +143,9 @@ void expect_merged(const Case &ray, double tolerance, const char *what) {
             Layers layers;
             layers.events = &events;
             fill(ray, frame.grey ? 1 : 3, tint, 64, layers);
+            fill_air(ray, frame.grey ? 1 : 3, tint, events.air);
+            const AirView air;
+            frame.air = std::span(&air, ray.air_density > 0.0 ? 1 : 0);
             frame_kernels(with).merge(frame, Packet{}, layers);
             for (std::size_t c = 0; c < 3; ++c) {
                 for (int lane = 0; lane < with.lanes; ++lane) {
@@ -190,6 +219,31 @@ TEST(Merge, MixesParticlesWithTheSmokeOfGrids) {
         ray.sent.push_back({share(random), share(random), share(random)});
     }
     expect_merged(ray, 1e-3, "all three, ");
+}
+
+TEST(Merge, MixesAirWithAllElse) {
+    Case ray;
+    ray.air_density = 0.3;
+    ray.air_sends = 0.2;
+    ray.air_lit_from = 1.5;
+    ray.air_lit_to = 4.0;
+    expect_merged(ray, 2e-5, "air, ");
+    ray.fragments = three_fragments().fragments;
+    expect_merged(ray, 2e-5, "air and fragments, ");
+    ray.grid_from = 2.5;
+    ray.grid_to = 5.5;
+    ray.grid_density = 1.6;
+    ray.grid_sends = 0.5;
+    expect_merged(ray, 2e-4, "air, a grid and fragments, ");
+    ray.first = 2.0;
+    ray.width = 0.125;
+    std::mt19937 random(1); // NOLINT(cert-msc51-cpp): the same at each run
+    std::uniform_real_distribution<double> share(0.0, 0.3);
+    for (int s = 0; s < 24; ++s) {
+        ray.depth.push_back(share(random));
+        ray.sent.push_back({share(random), share(random), share(random)});
+    }
+    expect_merged(ray, 1e-3, "all four, ");
 }
 
 TEST(Merge, DoesNotDependOnTheOrderInWhichFragmentsCome) {

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Air that fills the world: closed forms of one scattering, and the reference, which marches in double precision."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sfumato import Camera, Frame, Mesh, Scene, reference
+
+QUAD = Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+SIZE = 12, 12
+HG = 1.0 / (4.0 * np.pi)
+
+
+def down(half: float = 0.8, height: float = 10.0) -> Camera:
+    """From a height straight down, orthographic, to as far below."""
+    return Camera(np.diag([1.0 / half, 1.0 / half, -1.0 / height, 1.0]))
+
+
+def look(eye: Any, at: Any, near: float = 0.1, far: float = 20.0, half: float = 0.5) -> Camera:
+    """Perspective; half is the tangent of half its angle."""
+    eye, at = np.asarray(eye, float), np.asarray(at, float)
+    back = (eye - at) / np.linalg.norm(eye - at)
+    right = np.cross((0.0, 0.0, 1.0) if abs(back[2]) < 0.9 else (0.0, 1.0, 0.0), back)
+    right /= np.linalg.norm(right)
+    view = np.eye(4)
+    view[:3, :3] = right, np.cross(back, right), back
+    view[:3, 3] = -view[:3, :3] @ eye
+    project = np.array(
+        [
+            [1 / half, 0, 0, 0],
+            [0, 1 / half, 0, 0],
+            [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)],
+            [0, 0, -1, 0],
+        ]
+    )
+    return Camera(project @ view)
+
+
+def place(at: Any = (0, 0, 0), scale: Any = (1, 1, 1), axes: Any = None) -> NDArray[np.float64]:
+    """A square of 2 m in the xy plane, or in that of two axes."""
+    matrix = np.eye(4)
+    if axes is not None:
+        matrix[:3, 0], matrix[:3, 1] = axes
+        matrix[:3, 2] = np.cross(*axes)
+    matrix[:3, :3] = matrix[:3, :3] * np.asarray(scale, float)
+    matrix[:3, 3] = at
+    return matrix
+
+
+def picture(scene: Scene, camera: Camera, size: tuple[int, int] = SIZE, **settings: Any) -> NDArray[np.float64]:
+    frame = Frame(scene, **settings)
+    return np.asarray(frame.render(camera, *size, edge_samples=1), np.float64)
+
+
+def judged(scene: Scene, camera: Camera, step: float, size: tuple[int, int] = SIZE, **more: Any) -> NDArray[np.float64]:
+    return np.asarray(reference.render(scene, camera, *size, step=step, **more), np.float64)
+
+
+def error(found: NDArray[np.float64], wanted: NDArray[np.float64]) -> float:
+    """Relative root mean square."""
+    difference = found[..., :3] - wanted[..., :3]
+    return float(np.sqrt(np.mean(difference**2) / np.mean(wanted[..., :3] ** 2)))
+
+
+def test_none_is_free() -> None:
+    scene, none = Scene(), Scene()
+    for each in (scene, none):
+        each.add_sun((0.3, 0.2, -1), (3, 3, 3))
+        each.add_instances(QUAD, place(), [[0.8, 0.7, 0.6]])
+    none.set_air(mie=(1, 1, 1))
+    none.set_air()
+    frames = [Frame(each) for each in (scene, none)]
+    pictures = [frame.render(down(), *SIZE) for frame in frames]
+    np.testing.assert_array_equal(*pictures)
+    assert list(frames[1].stages) == ["solids", "lights", "surfaces", "composite"]
+    assert not frames[1].air and not frames[1].sorted
+
+
+def test_even_air_in_a_sun_is_one_exponential() -> None:
+    scene = Scene()
+    rayleigh, mie, absorption = np.array((0.01, 0.02, 0.04)), np.array((0.03, 0.03, 0.01)), np.array((0.0, 0.01, 0.02))
+    towards = np.array((0.6, 0.0, -0.8))
+    scene.add_sun(towards, (3, 2, 1))
+    scene.set_background((0.5, 0.25, 0.125))
+    scene.set_air(rayleigh, mie, absorption, emission=(0.02, 0.01, 0.0), anisotropy=0.6)
+    cosine, g = 0.8 * -1.0, 0.6  # light goes down and on to the eye, which is above
+    phases = rayleigh * 3 / (16 * np.pi) * (1 + cosine**2) + mie * HG * (1 - g * g) / (1 + g * g - 2 * g * cosine) ** 1.5
+    beta, length = rayleigh + mie + absorption, 20.0
+    sent = (phases * (3, 2, 1) + (0.02, 0.01, 0.0)) / beta * (1 - np.exp(-beta * length))
+    wanted = sent + np.array((0.5, 0.25, 0.125)) * np.exp(-beta * length)
+    frame = Frame(scene)
+    found = frame.render(down(), *SIZE)
+    np.testing.assert_allclose(found[..., :3], np.broadcast_to(wanted, (*SIZE, 3)), rtol=2e-5)
+    assert frame.air and frame.sorted and "air" in frame.stages
+
+
+def test_cornette_and_shanks_scatter_as_they_say() -> None:
+    scene = Scene()
+    scene.add_sun((0, 0.6, -0.8), (1, 1, 1))
+    scene.set_air(mie=(0.1, 0.1, 0.1), anisotropy=0.5, phase="cornette-shanks")
+    cosine, g = -0.8, 0.5
+    phase = 3 / (8 * np.pi) * (1 - g * g) * (1 + cosine**2) / ((2 + g * g) * (1 + g * g - 2 * g * cosine) ** 1.5)
+    np.testing.assert_allclose(picture(scene, down())[..., 0], phase * (1 - np.exp(-2.0)), rtol=2e-5)
+
+
+def test_a_wall_with_a_window_leaves_a_shaft() -> None:
+    """The sun shines along x through a window from z = 1 to z = 2; the eye looks down from z = 3."""
+    scene = Scene()
+    scene.add_sun((1, 0, 0), (5, 4, 3))
+    upright = (0, 1, 0), (0, 0, 1)
+    scene.add_instances(QUAD, place((-2, 0, -1.5), (4, 2.5, 1), upright), [[0, 0, 0]])
+    scene.add_instances(QUAD, place((-2, 0, 3.0), (4, 1.0, 1), upright), [[0, 0, 0]])
+    beta = np.array((0.1, 0.2, 0.5))
+    scene.set_air(mie=beta, anisotropy=0.5)
+    found = picture(scene, down(height=3.0), air_texels=2048)[..., :3]
+    phase = HG * 0.75 / 1.25**1.5
+    wanted = phase * np.array((5, 4, 3)) * (np.exp(-beta) - np.exp(-2 * beta))
+    np.testing.assert_allclose(found, np.broadcast_to(wanted, found.shape), rtol=4e-3)
+
+
+LAMPS = {
+    "point": lambda scene: scene.add_point((0.5, 0.3, 1.0), (10, 8, 6)),
+    "sphere": lambda scene: scene.add_point((0.5, 0.3, 1.0), (10, 8, 6), radius=0.1),
+    "spot": lambda scene: scene.add_point((0, 0, 2.0), (30, 20, 10), direction=(0.2, 0, -1), cone=0.7, blend=0.3),
+    "area": lambda scene: scene.add_area((0, 0, 2.5), (0.3, 0, 0), (0, 0.3, 0), (10, 10, 10)),
+    "sun": lambda scene: scene.add_sun((0.5, 0.3, -1.0), (5, 4, 3)),
+}
+
+
+@pytest.mark.parametrize("lamp", LAMPS)
+@pytest.mark.parametrize("height", [0.0, 1.5])
+def test_lamps_in_open_air(lamp: str, height: float) -> None:
+    scene = Scene()
+    LAMPS[lamp](scene)
+    scene.add_instances(QUAD, place((0, 0, -1), (8, 8, 1)), [[0.5, 0.5, 0.5]])
+    scene.set_air((0.02, 0.03, 0.05), (0.1, 0.1, 0.1), (0.0, 0.02, 0.0), (0.01, 0, 0), 0.5, scale_height=height)
+    camera = look((4.0, -3.0, 0.7), (0.0, 0.0, 0.5), far=12.0)
+    wanted = judged(scene, camera, 0.05, light_samples_per_axis=8 if lamp == "area" else 1)
+    # Of a lamp with an extent it is those of its parts that are nearest to a ray that are off.
+    most = {"area": 0.015, "sphere": 0.005}.get(lamp, 0.001)
+    assert error(picture(scene, camera, light_samples=64), wanted) < most
+
+
+def smoke(scene: Scene) -> None:
+    # So fine that cells are not what differs.
+    z, y, x = (np.indices((32, 32, 32)) + 0.5) / 16.0 - 1.0
+    density = np.clip(1.0 - x * x - y * y - z * z, 0, None) * 3.0
+    matrix = np.diag([0.0625, 0.0625, 0.0625, 1.0])
+    matrix[:3, 3] = -1.0, -1.0, -0.5
+    scene.add_medium(density, matrix, (1.0, 0.8, 0.6), (0.1, 0.1, 0.2), 0.3)
+
+
+@pytest.mark.parametrize("eye", [(4.0, -3.0, 0.7), (0.2, 0.1, 0.4)])
+@pytest.mark.parametrize("lamp", ["point", "sun"])
+def test_smoke_shades_air_and_air_dims_smoke(lamp: str, eye: Any) -> None:
+    """The eye outside the smoke and in it."""
+    scene = Scene()
+    if lamp == "sun":
+        scene.add_sun((0.5, 0.3, -1.0), (5, 4, 3))
+    else:
+        scene.add_point((1.5, 1.0, 2.5), (30, 24, 18))
+    smoke(scene)
+    scene.add_instances(QUAD, place((0, 0, -1), (8, 8, 1)), [[0.5, 0.5, 0.5]])
+    scene.set_air((0.02, 0.03, 0.05), (0.2, 0.2, 0.2), anisotropy=0.4)
+    camera = look(eye, (-0.5, 0.5, 0.3), far=10.0)
+    found = picture(scene, camera, (8, 8), steps_per_cell=2.0)
+    assert error(found, judged(scene, camera, 0.1, (8, 8), sun_samples_per_axis=1)) < 0.01
+
+
+def test_air_between_a_lamp_and_a_floor_dims_it() -> None:
+    scene = Scene()
+    scene.add_point((0, 0, 2), (10, 10, 10))
+    scene.add_instances(QUAD, place((0, 0, 0), (3, 3, 1)), [[1, 1, 1]])
+    scene.set_air(absorption=(0.3, 0.1, 0.5))
+    found = picture(scene, down(half=0.001), (2, 2))[0, 0, :3]
+    beta = np.array((0.3, 0.1, 0.5))
+    np.testing.assert_allclose(found, 10 / 4 / np.pi * np.exp(-beta * (2 + 10)), rtol=1e-3)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.5])
+def test_the_eye_may_be_in_a_lamp(radius: float) -> None:
+    scene = Scene()
+    scene.add_point((0, 0, 1), (1, 1, 1), radius=radius)
+    scene.set_air(mie=(0.1, 0.1, 0.1), anisotropy=0.9)
+    found = picture(scene, look((0, 0, 1), (1, 0, 1), near=0.001))
+    assert np.isfinite(found).all() and (found[..., :3] > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"anisotropy": 1.0}, "anisotropy"),
+        ({"anisotropy": -1.0}, "anisotropy"),
+        ({"mie": (-1, 0, 0)}, "mie"),
+        ({"rayleigh": (np.inf, 0, 0)}, "rayleigh"),
+        ({"absorption": (0, np.nan, 0)}, "absorption"),
+        ({"phase": "schlick"}, "phase"),
+        ({"scale_height": -1.0}, "scale_height"),
+    ],
+)
+def test_what_is_no_air_is_refused(wrong: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        Scene().set_air(**{"mie": (1, 1, 1), **wrong})
