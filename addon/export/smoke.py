@@ -169,15 +169,15 @@ def _fire(
     """What glows by one of an object's grids, or everywhere."""
     values = grids.get(emitter.attribute) or grids.get(density) or next(iter(grids.values()))
     if emitter.attribute not in grids:
-        values = replace(values, cells=np.zeros_like(voxels.cells))
+        values = replace(values, cells=np.zeros_like(values.cells))
     filled = np.zeros(0, np.bool_)
     if emitter.of(np.zeros(1)).any():
         values, filled = voxels.enclosed(values, grids)
-    burning = fire.fire_of(voxels.cells, emitter, filled, compat.voxels_emit())
+    burning = fire.fire_of(values.cells, emitter, filled, compat.voxels_emit())
     if burning is None:
         return None
     glow, rows = burning.glow, burning.emission
-    grid_to_world = matrix @ voxels.grid_to_object
+    grid_to_world = matrix @ values.grid_to_object
     grid = parts.part(lambda: (glow,), ("glow",), lambda cells: core.module().Grid(np.zeros_like(cells), glow=cells))
     flames = parts.part(
         lambda: (glow, rows),

@@ -20,15 +20,18 @@ def to_hsv(rgb: Array) -> Array:
 
 
 def from_hsv(hsv: Array) -> Array:
-    return _from_hue(hsv[:, 0], hsv[:, 2], hsv[:, 2] * hsv[:, 1])
+    """Hues beyond [0, 1) are as if in the last sixth."""
+    hue = hsv[:, 0]
+    last = (hue < 0.0) | (hue > 1.0)
+    return _from_hue(np.where(last, (5.0 + 6.0 * hue % 1.0) / 6.0, hue % 1.0), hsv[:, 2], hsv[:, 2] * hsv[:, 1])
 
 
 def to_hsl(rgb: Array) -> Array:
     """Hue, saturation and lightness."""
-    top, low = np.minimum(rgb.max(axis=1), 1.0), rgb.min(axis=1)
+    top, low = rgb.max(axis=1), rgb.min(axis=1)
     light = np.minimum(0.5 * (top + low), 1.0)
     span = np.where(light > 0.5, 2.0 - top - low, top + low)
-    return np.stack((_hue(rgb, rgb.max(axis=1), top - low), _ratio(top - low, span), light), axis=1)
+    return np.stack((_hue(rgb, top, top - low), _ratio(top - low, span), light), axis=1)
 
 
 def from_hsl(hsl: Array) -> Array:
@@ -53,8 +56,13 @@ def _hue(rgb: Array, top: Array, span: Array) -> Array:
 
 def _from_hue(hue: Array, top: Array, chroma: Array) -> Array:
     """Of the hue, the strongest channel, and how far below it the weakest is."""
-    distance = np.abs((hue[:, None] - np.array((0.0, 1.0 / 3.0, 2.0 / 3.0)) + 0.5) % 1.0 - 0.5)
-    share = np.clip(2.0 - 6.0 * distance, 0.0, 1.0)
+    share = np.clip(
+        np.stack(
+            (np.abs(6.0 * hue - 3.0) - 1.0, 2.0 - np.abs(6.0 * hue - 2.0), 2.0 - np.abs(6.0 * hue - 4.0)), axis=1
+        ),
+        0.0,
+        1.0,
+    )
     found: Array = top[:, None] - chroma[:, None] * (1.0 - share)
     return found
 

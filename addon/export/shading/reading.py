@@ -33,7 +33,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Source:
-    """What is linked to an input: a node's output; or what a group's input is outside, where nothing is linked to it."""
+    """What is linked to an input: a node's output; or a group's or a muted node's input that nothing is linked to."""
 
     place: Place
     socket: Any
@@ -60,6 +60,8 @@ class Reader:
         if source is None:
             return own_value(socket)
         if not source.socket.is_output:
+            if source.place.node.mute:  # what it would hand on is nothing
+                return converted(fields.constant(0.0), "VALUE", socket.type)
             return converted(own_value(source.socket), source.socket.type, socket.type)
         key = _key(source.place, source.socket)
         if key in self._open:  # in a circle
@@ -84,7 +86,7 @@ class Reader:
             link = next((link for link in socket.links if _holds(link)), None)
             if link is None or key in seen:
                 handed = link is None and socket != first and hasattr(socket, "default_value")
-                return Source(place, socket) if handed and place.node.type in _GROUPS else None
+                return Source(place, socket) if handed and (place.node.mute or place.node.type in _GROUPS) else None
             seen.add(key)
             found = self._through(replace(place, node=link.from_node), link.from_socket)
             if not isinstance(found, tuple):
