@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 _AT_ONCE = 1 << 17  # cells, so that what is in between stays small
 _SAME = 1e-3  # by which colours may differ that are taken for one
+_MOST_CELLS, _MOST_FINER = 1 << 22, 4  # of a finer lattice, and along each axis
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,25 @@ class Lattice:
 
 def _is_colour(field: Field, cell: Mapping[str, Array]) -> bool:
     return fields.evaluate([field], cell)[0].ndim == 2
+
+
+def fineness(wanted: Sequence[Field], grids: Mapping[str, voxels.Values]) -> int:
+    """Into how many parts a cell is to be cut along each axis, where what is between cells is what shaders make of a
+    mixture: none where that is linear."""
+    ramp = fields.ramp_of(wanted)
+    if ramp is not None and ramp[0] in grids and grids[ramp[0]].cells.ndim == 3:
+        top = max(float(grids[ramp[0]].cells.max()), 0.0)
+        along = np.linspace(0.0, top, 65)
+        found = [np.broadcast_to(value.T, value.T.shape[:-1] + along.shape) for value in ramp[1](along)]
+        if all(_is_straight(value) for value in found):
+            return 1
+    largest = max(int(np.prod(grid.cells.shape[:3])) for grid in grids.values())
+    return next((n for n in range(_MOST_FINER, 1, -1) if largest * n**3 <= _MOST_CELLS), 1)
+
+
+def _is_straight(values: Array) -> bool:
+    line = np.linspace(values[..., 0], values[..., -1], values.shape[-1], axis=-1)
+    return bool(np.abs(values - line).max() <= 1e-4 * np.abs(values).max())
 
 
 def lattice_of(grids: Mapping[str, voxels.Values], finer: int = 1) -> Lattice:

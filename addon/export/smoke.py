@@ -85,8 +85,8 @@ def _by_grids(
 ) -> tuple[list[Medium], list[Medium]]:
     """What glows of an object, and its smoke that is not plain, by the grids that say how. A grid that is not there is as
     in Cycles."""
-    if not look.emission and not look.bodies:
-        return [], []
+    if not (look.emission or look.bodies) or not look.attributes:
+        return [], []  # of what asks for no grid, Cycles shows nothing
     scale = 1.0
     if settings is not None:
         grids = voxels.domain_values(settings, depsgraph.scene.frame_current, look.attributes)
@@ -127,12 +127,12 @@ def _of_cells(
     if not bodies and not glows:
         return []
     names = sorted(grids)
-    asked = [field.digest for body in bodies for field in (body.scattering, body.absorption, body.anisotropy)]
-    asked += [glow.digest for glow in glows]
+    wanted = [field for body in bodies for field in (body.scattering, body.absorption)] + glows
+    asked = [field.digest for field in (*wanted, *(body.anisotropy for body in bodies))]
     where = [(grid.grid_to_object.tobytes(), grid.first.tobytes()) for grid in grids.values()]
 
     def made(*_: Any) -> list[list[Medium]]:
-        lattice = cells.lattice_of(grids)
+        lattice = cells.lattice_of(grids, 1 if compat.voxels_emit() else cells.fineness(wanted, grids))
         to_world = matrix @ lattice.grid_to_object
         smoke = [cells.parts_of(body, lattice, to_world, scale) for body in bodies]
         out = [

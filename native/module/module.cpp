@@ -49,9 +49,8 @@ PYBIND11_MODULE(sfumato, m) {
     bind_transfer(m); // whose types the reference takes
     bind_transparency(m);
 
-    m.def(
-        "read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",
-        R"(The active part of a grid of an OpenVDB file, of scalars (nz, ny, nx) or of vectors (nz, ny, nx, 3), and
+    m.def("read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",
+          R"(The active part of a grid of an OpenVDB file, of scalars (nz, ny, nx) or of vectors (nz, ny, nx, 3), and
 grid_to_object (4, 4), which takes cells to the file's own space. Raises ValueError that names the file and the cause.
 
 >>> read_volume("missing.vdb")  # doctest: +ELLIPSIS

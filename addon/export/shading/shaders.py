@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ... import compat
 from .. import materials, omissions
 from . import fields
 from .fields import Field
@@ -37,7 +38,7 @@ class Look:
     @property
     def attributes(self) -> list[str]:
         """The grids that are asked for."""
-        plain = [] if self.plain is None else [self.plain.attribute]
+        plain = [] if self.plain is None or not self.plain.extinction.any() else [self.plain.attribute]
         found = frozenset[str]().union(
             *(field.attributes for body in self.bodies for field in (body.scattering, body.absorption, body.anisotropy)),
             *(field.attributes for field in self.emission),
@@ -91,19 +92,36 @@ def of_material(material: Any, owner: str, notices: list[str]) -> Look | None:
     plain = _plain(reader, scatterers)
     if plain is not None:
         return Look(plain, emission=emission)
+    bodies = [_body(reader, place, weight) for place, weight in scatterers]
+    shining = [body for body in bodies if not _is_black(body.scattering)]
+    if len(shining) > 1 and not compat.phases_share_light():
+        notices.append(
+            f"{owner}: {len(shining)} of its shaders scatter light, each as much as all together in Cycles of this Blender; "
+            "here, each its own"
+        )
+    return Look(bodies=_grouped([body for body in bodies if not _is_clear(body)]), emission=emission)
+
+
+def _is_clear(body: Body) -> bool:
+    return _is_black(body.scattering) and _is_black(body.absorption)
+
+
+def _grouped(found: list[Body]) -> tuple[Body, ...]:
+    """Those of the same anisotropy as one; what only absorbs, has any."""
     bodies: dict[bytes, Body] = {}
-    for place, weight in scatterers:
-        body = _body(reader, place, weight)
-        key = body.anisotropy.digest
+    for body in sorted(found, key=lambda one: _is_black(one.scattering)):
+        key = next(iter(bodies), body.anisotropy.digest) if _is_black(body.scattering) else body.anisotropy.digest
         known = bodies.get(key)
         bodies[key] = body if known is None else _sum(known, body)
-    return Look(bodies=tuple(bodies.values()), emission=emission)
+    return tuple(bodies.values())
 
 
 def _sum(a: Body, b: Body) -> Body:
-    return Body(
-        _each("sum", a.scattering, b.scattering), _each("sum", a.absorption, b.absorption), a.anisotropy
-    )
+    return Body(_each("sum", a.scattering, b.scattering), _each("sum", a.absorption, b.absorption), a.anisotropy)
+
+
+def _is_black(colour: Field) -> bool:
+    return colour.constant is not None and not colour.constant.any()
 
 
 def _added(reader: Reader, place: Place, identifier: str, weight: Field) -> Iterator[tuple[Place, Field]]:
@@ -178,8 +196,9 @@ def _body(reader: Reader, place: Place, weight: Field) -> Body:
     node = place.node
     black = fields.constant((0.0, 0.0, 0.0))
     if node.type == "PRINCIPLED_VOLUME":
-        density = _math("MULTIPLY", _density(reader, place, weight), _named_grid(place, "Density Attribute"))
-        density = _not_negative(density)
+        density = _density(reader, place, weight)
+        if density.constant is None or density.constant.any():
+            density = _not_negative(_math("MULTIPLY", density, _named_grid(place, "Density Attribute")))
         tint = _named_grid(place, "Color Attribute", "Color")
         colour = _each("not negative", _each("product", reader.value(place, "Color"), tint))
         absorbed = _each("rest", _each("root", reader.value(place, "Absorption Color")))
@@ -204,6 +223,9 @@ def _body(reader: Reader, place: Place, weight: Field) -> Body:
 
 
 def _scaled(number: Field, colour: Field) -> Field:
+    """Black where one is 0: of what is multiplied by nothing, Cycles asks no grid."""
+    if any(field.constant is not None and not field.constant.any() for field in (number, colour)):
+        return fields.constant((0.0, 0.0, 0.0))
     return fields.of("scaled", number, colour)
 
 
@@ -233,6 +255,8 @@ _FORWARD = 0.9
 
 def _emitted(reader: Reader, place: Place, weight: Field) -> Iterator[Field]:
     node = place.node
+    if not compat.mixes_emission():
+        weight = _math("GREATER_THAN", weight, fields.constant(0.0))
     if node.type == "EMISSION":
         yield from _visible(_glow(reader, place, "Strength", "Color", weight))
     elif node.type == "PRINCIPLED_VOLUME":

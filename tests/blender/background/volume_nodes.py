@@ -10,6 +10,7 @@ import bpy
 import harness
 import numpy as np
 import pictures
+from sfumato.export import parts, scene
 from sfumato.export.shading import fields, reading
 
 # Cycles has ramps at these places alone.
@@ -244,6 +245,253 @@ def test_nodes_calculate_what_those_of_cycles_do() -> None:
             wrong.append(f"{name}: {error[worst]:.2g} at {VALUES[worst]:.3f}, {tone[worst]}: {ours[worst]}, {row[worst]} {notices}")
     print(f"  {len(built)} chains")
     assert not wrong, "\n".join(wrong)
+
+
+TINTED = harness.ROOT / "tests" / "goldens" / "tinted_smoke.vdb"  # density, tint, and grey in a larger box
+FIRE = harness.ROOT / "blend_samples" / "fire.blend"
+FLAMES = harness.ROOT / "blend_samples" / "fire_cache" / "data" / "fluid_data_0016.vdb"  # density, flame, heat, temperature
+SIZE = (36, 36)
+
+
+def look(middle: tuple[float, float, float], across: float) -> None:
+    """From the front, in a sun from the left and above."""
+    view, camera, sun = bpy.context.scene, bpy.data.cameras.new("Camera"), bpy.data.lights.new("Sun", "SUN")
+    camera.type, camera.ortho_scale = "ORTHO", across
+    view.camera = bpy.data.objects.new("Camera", camera)
+    view.camera.location, view.camera.rotation_euler = (middle[0], middle[1] - 5.0, middle[2]), (np.pi / 2.0, 0.0, 0.0)
+    sun.energy = 3.0
+    lamp = bpy.data.objects.new("Sun", sun)
+    lamp.rotation_euler = (0.6, -0.5, 0.0)
+    for made in (view.camera, lamp):
+        view.collection.objects.link(made)
+    view.world = harness.black_world()
+    view.render.resolution_percentage = 100
+    cycles = view.cycles
+    cycles.samples, cycles.seed, cycles.max_bounces, cycles.volume_bounces, cycles.volume_step_rate = 64, 1, 0, 0, 0.25
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0  # where smoke ends at once, no light leaks over the edge
+
+
+# Before 4.5 Cycles lets each of several shaders scatter what is the share of all, and dims what absorbs and scatters in
+# colours, of grids: findings/volume_shaders_added.sh.
+WHOLE = bpy.app.version >= (4, 5, 0)
+
+
+def compared(case: str, scatterers: int = 1) -> str:
+    """What is wrong, of the mean and of blocks of 6 x 6 pixels together, or nothing."""
+    theirs, ours = (pictures.render(SIZE, engine)[..., :3] for engine in ("CYCLES", "SFUMATO"))
+    if not theirs.any() and not pictures.cycles_shows_smoke():
+        raise harness.Skip("Cycles of this Blender shows no smoke")
+    assert theirs.any(), case
+    theirs = np.maximum(theirs, 0.0) / (1.0 if WHOLE else scatterers)  # negative blue of fire
+    a, b = (pictures.in_blocks(picture, 6) for picture in (theirs, ours))
+    whole = abs(float(ours.sum() / theirs.sum()) - 1.0)
+    error = float(np.sqrt(np.mean((a - b) ** 2)) / np.sqrt(np.mean(a**2)))
+    colours = ours.sum(axis=(0, 1)) / np.maximum(theirs.sum(axis=(0, 1)), 1e-9)
+    print(f"  {case}: mean {100.0 * whole:.2f} %, blocks {100.0 * error:.2f} %, colours {colours.round(3)}", flush=True)
+    return f"{case}: {whole}, {error}\n" if not (whole < 0.02 and error < 0.02) else ""
+
+
+Shading = Callable[[Any], Any]  # of a tree: the output that fills the volume
+
+
+def principled(tree: Any, **inputs: Any) -> Any:
+    made = tree.nodes.new("ShaderNodeVolumePrincipled")
+    made.inputs["Density Attribute"].default_value = ""
+    for name, value in inputs.items():
+        socket = made.inputs[name.replace("_", " ").title()]
+        if isinstance(value, bpy.types.NodeSocket):
+            tree.links.new(value, socket)
+        else:
+            socket.default_value = value
+    return made.outputs[0]
+
+
+def shaded(data: Any, build: Shading) -> None:
+    """Give an object's data a material of a volume."""
+    material = bpy.data.materials.new("Volume")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(build(tree), output.inputs["Volume"])
+    data.materials.clear()
+    data.materials.append(material)
+
+
+def times(tree: Any, a: Any, b: Any) -> Any:
+    return out(node(tree, "Math", a, b, operation="MULTIPLY"))
+
+
+def smooth(tree: Any, name: str, *ends: float) -> Any:
+    return out(node(tree, "MapRange", attribute(tree, name), *ends, interpolation_type="SMOOTHSTEP"))
+
+
+def colours_of(tree: Any, name: str) -> Any:
+    return ramp(tree, attribute(tree, name), "EASE").outputs[0]
+
+
+def scatter(tree: Any, colour: Any, density: float, anisotropy: Any = 0.0) -> Any:
+    return out(node(tree, "VolumeScatter", colour, times(tree, attribute(tree, "density"), density), anisotropy))
+
+
+def tinted(tree: Any, colour: tuple[float, float, float], **inputs: Any) -> Any:
+    return principled(tree, density_attribute="density", color=(*colour, 1.0), **inputs)
+
+
+RED, BLUE = (0.9, 0.3, 0.1), (0.1, 0.3, 0.9)
+
+
+def shaders_of_smoke() -> dict[str, tuple[int, Shading]]:
+    """Of a ball's density, tint and grey; how many of them scatter."""
+    found: dict[str, tuple[int, Shading]] = {
+        "density times itself": (1, lambda t: tinted(t, RED, density=times(t, attribute(t, "density"), 6.0))),
+        "density by two grids": (
+            1, lambda t: principled(t, density=times(t, smooth(t, "grey", 0.2, 0.9, 0.0, 6.0), attribute(t, "density")))),
+        "density by a ramp": (
+            1, lambda t: principled(t, density=times(t, ramp(t, attribute(t, "density"), "B_SPLINE").outputs[1], 2.0))),
+        "color by a ramp": (1, lambda t: principled(
+            t, density=4.0, density_attribute="density", color=colours_of(t, "density"), anisotropy=0.3)),
+        "a color attribute above 1": (1, lambda t: tinted(t, (2.0, 0.8, 0.7), density=3.0, color_attribute="tint")),
+        "scatter by a grid of colors": (1, lambda t: scatter(t, attribute(t, "tint", "Color"), 2.0)),
+        "absorption and scatter": (1, lambda t: out(node(t, "AddShader",
+            out(node(t, "VolumeAbsorption", (0.5, 0.5, 0.5, 1.0), times(t, attribute(t, "density"), 4.0))),
+            scatter(t, (0.6, 0.6, 0.6, 1.0), 3.0, 0.5)))),
+        "a mixture": (2, lambda t: out(node(t, "MixShader", 0.3, tinted(t, RED, density=4.0), tinted(t, BLUE, density=2.0)))),
+        "a mixture by a grid": (2, lambda t: out(node(t, "MixShader", smooth(t, "grey", 0.1, 0.9, 0.1, 0.9),
+            tinted(t, RED, density=4.0), tinted(t, BLUE, density=2.0)))),
+        "a mixture with nothing": (1, lambda t: out(node(
+            t, "MixShader", 0.6, tinted(t, BLUE, density=6.0, emission_strength=0.001)))),
+        "an absent grid for density": (
+            1, lambda t: principled(t, density=0.5, density_attribute="absent", color=attribute(t, "grey", "Color"))),
+        "an absent attribute": (
+            1, lambda t: tinted(t, RED, density=out(node(t, "Math", attribute(t, "absent"), 1.0)))),
+        "emission by two grids": (1, lambda t: tinted(t, (0.0, 0.0, 0.0), density=2.0,
+            emission_strength=attribute(t, "density"), emission_color=attribute(t, "tint", "Color"))),
+    }  # fmt: skip
+    if WHOLE:
+        found["two anisotropies"] = 2, lambda t: out(node(
+            t, "AddShader", scatter(t, (0.9, 0.6, 0.3, 1.0), 2.0, -0.6), scatter(t, (0.3, 0.6, 0.9, 1.0), 3.0, 0.6)))  # fmt: skip
+        found["absorption of one color, scatter of another"] = 1, lambda t: out(node(t, "AddShader",
+            out(node(t, "VolumeAbsorption", (0.9, 0.4, 0.1, 1.0), times(t, attribute(t, "density"), 4.0))),
+            scatter(t, (0.3, 0.6, 0.9, 1.0), 3.0, 0.5)))  # fmt: skip
+        found["absorption color by a ramp"] = 1, lambda t: tinted(
+            t, (0.5, 0.5, 0.5), density=6.0, absorption_color=colours_of(t, "grey"))  # fmt: skip
+        found["a color attribute, absorption"] = 1, lambda t: tinted(
+            t, (0.5, 0.8, 0.7), density=3.0, absorption_color=(0.1, 0.5, 0.9, 1.0), color_attribute="tint")  # fmt: skip
+    if hasattr(bpy.types, "ShaderNodeVolumeCoefficients"):
+        found["coefficients"] = 1, coefficients
+    return found
+
+
+def coefficients(tree: Any) -> Any:
+    made = tree.nodes.new("ShaderNodeVolumeCoefficients")
+    for name, colour in (("Absorption", (0.2, 0.8, 2.0)), ("Scatter", RED), ("Emission", (0.01, 0.03, 0.02))):
+        scaled = node(tree, "MixRGB", 1.0, attribute(tree, "density", "Color"), (*colour, 1.0), blend_type="MULTIPLY")
+        tree.links.new(out(scaled), made.inputs[f"{name} Coefficients"])
+    return made.outputs[0]
+
+
+def test_smoke_is_shaded_as_in_cycles() -> None:
+    thing = harness.volume(TINTED)
+    look((1.0, 1.0, 1.0), 2.2)
+    wrong = ""
+    for case, (scatterers, build) in shaders_of_smoke().items():
+        shaded(thing.data, build)
+        wrong += compared(case, scatterers)
+    assert not wrong, wrong
+
+
+def burning(tree: Any) -> Any:
+    """As artists do it: a ramp of flame for the color, another for the strength, smoke where there is none; in a group."""
+    inner = bpy.data.node_groups.new("Fire", "ShaderNodeTree")
+    if hasattr(inner, "interface"):
+        inner.interface.new_socket("Volume", in_out="OUTPUT", socket_type="NodeSocketShader")
+    else:
+        inner.outputs.new("NodeSocketShader", "Volume")
+    flame = attribute(inner, "flame")
+    cold = out(node(inner, "Invert", 1.0, out(node(inner, "Math", flame, 2.0, operation="MULTIPLY", use_clamp=True))))
+    density = times(inner, attribute(inner, "density"), times(inner, cold, 30.0))
+    power = out(node(inner, "MapRange", flame, 0.1, 0.9, 0.0, 3.0, interpolation_type="SMOOTHERSTEP"))
+    shader = principled(inner, density=density, color=(0.2, 0.2, 0.2, 1.0), emission_strength=power,
+                        emission_color=ramp(inner, flame, "LINEAR", "HSV").outputs[0])  # fmt: skip
+    end = inner.nodes.new("NodeGroupOutput")
+    inner.links.new(shader, end.inputs[0])
+    made = tree.nodes.new("ShaderNodeGroup")
+    made.node_tree = inner
+    return made.outputs[0]
+
+
+def shaders_of_fire() -> dict[str, Shading]:
+    return {
+        "fire by ramps": burning,
+        "a temperature by two grids": lambda t: tinted(t, (0.0, 0.0, 0.0), density=30.0, blackbody_intensity=1.0,
+            temperature=times(t, smooth(t, "density", 0.0, 0.3, 900.0, 1300.0), attribute(t, "flame")), temperature_attribute=""),
+        "an intensity by flame": lambda t: tinted(t, (0.0, 0.0, 0.0), density=30.0, temperature=900.0,
+            blackbody_intensity=smooth(t, "flame", 0.0, 1.0, 0.0, 1.0)),
+        "Volume Info": lambda t: out(node(t, "Emission", ramp(t, node(t, "VolumeInfo").outputs["Flame"], "EASE").outputs[0],
+            node(t, "VolumeInfo").outputs["Density"])),
+    }  # fmt: skip
+
+
+def burns(data: Any, domain: bool) -> None:
+    wrong = ""
+    bpy.context.scene.cycles.samples = 32 if bpy.app.version < (5, 0, 0) else 128
+    for case, build in shaders_of_fire().items():
+        if domain and case not in {"fire by ramps", "a temperature by two grids"}:
+            continue
+        shaded(data, build)
+        wrong += compared(case)
+    assert not wrong, wrong
+
+
+def test_a_file_burns_as_in_cycles() -> None:
+    thing = harness.volume(FLAMES)
+    thing.location = (-0.5, -0.5, 0.0)
+    look((0.0, 0.0, 0.8), 1.8)
+    burns(thing.data, domain=False)
+
+
+def test_a_domain_burns_as_in_cycles() -> None:
+    if harness.MANTAFLOW_ABORTS:
+        raise harness.Skip("Mantaflow aborts in this Blender")
+    bpy.ops.wm.open_mainfile(filepath=str(FIRE))
+    domain = bpy.context.scene.objects["Fire Domain"]
+    for thing in bpy.context.scene.objects:
+        thing.hide_render = thing != domain
+    look((0.0, 0.0, 0.8), 1.8)
+    burns(domain.data, domain=True)
+
+
+def said_of(build: Shading) -> list[str]:
+    thing = harness.volume(TINTED)
+    shaded(thing.data, build)
+    notices = scene.export(bpy.context.evaluated_depsgraph_get(), parts.Parts()).notices
+    return [notice for notice in notices if notice.startswith("Smoke: ")]
+
+
+def noise_deep(tree: Any) -> Any:
+    noise = out(node(tree, "TexNoise"))
+    return tinted(tree, RED, density=out(node(tree, "Math", noise, 2.0, 0.25, operation="MULTIPLY")))
+
+
+def test_what_is_not_followed_is_named() -> None:
+    own = "is not followed; its own value"
+    assert said_of(lambda t: tinted(t, RED, density=out(node(t, "TexNoise")))) == [
+        f"Smoke: the link into 'Density' {own} is used"
+    ]
+    assert said_of(noise_deep) == [f"Smoke: the link from Noise Texture into Math's 'Value' {own}, 0.5, is used"]
+    assert said_of(lambda t: tinted(t, RED, density=node(t, "Attribute", attribute_type="OBJECT").outputs[2])) == [
+        f"Smoke: the link into 'Density' {own} is used"
+    ]
+    # Of a cone, the mean of the density, by the density.
+    (leaning,) = said_of(lambda t: scatter(t, (0.5, 0.5, 0.5, 1.0), 2.0, attribute(t, "density")))
+    assert "its Anisotropy differs from place to place; it is taken for its mean, 0.4" in leaning, leaning
+    twice = said_of(lambda t: out(node(t, "AddShader", scatter(t, (*RED, 1.0), 1.0), scatter(t, (*BLUE, 1.0), 1.0))))
+    assert len(twice) == (not WHOLE), twice
+    if "phase" in bpy.types.ShaderNodeVolumeScatter.bl_rna.properties:
+        (phase,) = said_of(lambda t: out(node(t, "VolumeScatter", None, attribute(t, "density"), phase="MIE")))
+        assert "its phase function Mie is shown as Henyey-Greenstein's by an anisotropy of 0.9" in phase, phase
 
 
 harness.main()
