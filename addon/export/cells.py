@@ -35,7 +35,9 @@ class Lattice:
 
     def evaluated(self, wanted: Sequence[Field]) -> tuple[NDArray[np.intp], list[Cells]]:
         """The cells in which some of the fields is not 0, by number, and what each is there: (n,) or (n, 3)."""
-        asked = {name: self.grids[name] for name in frozenset[str]().union(*(f.attributes for f in wanted)) & set(self.grids)}
+        asked = {
+            name: self.grids[name] for name in frozenset[str]().union(*(f.attributes for f in wanted)) & set(self.grids)
+        }
         somewhere = np.zeros(self.filled.shape, np.bool_)
         for cells in asked.values():
             somewhere |= cells.any(axis=3) if cells.ndim == 4 else cells != 0.0
@@ -144,9 +146,7 @@ class Part:
 
 def parts_of(body: Body, lattice: Lattice, grid_to_world: Array, scale: float) -> list[Part]:
     """The smoke that a body is: one grid where its extinction is of one colour, one for each channel where it is of many."""
-    numbers, (scattering, absorption, leaning) = lattice.evaluated(
-        (body.scattering, body.absorption, body.anisotropy)
-    )
+    numbers, (scattering, absorption, leaning) = lattice.evaluated((body.scattering, body.absorption, body.anisotropy))
     scattering, absorption = np.maximum(scattering, 0.0), np.maximum(absorption, 0.0)
     extinction = scattering + absorption
     weights = scattering.sum(axis=1, dtype=np.float64)

@@ -266,5 +266,3 @@ def _size_and_time(path: str) -> tuple[NDArray[np.int64]]:
     except OSError as error:
         raise ValueError(f"path '{path}' cannot be read: {error.strerror}") from error
     return (np.array([status.st_size, status.st_mtime_ns], np.int64),)
-
-

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,8 @@ Array = NDArray[np.float64]
 
 
 def _over(a: Array, b: Array) -> Array:
-    return a / np.where(b != 0.0, b, 1.0)
+    found: Array = a / np.where(b != 0.0, b, 1.0)
+    return found
 
 
 def _overlay(t: Array, a: Array, b: Array) -> Array:
@@ -56,7 +58,7 @@ def _with_part(t: Array, a: Array, b: Array, part: int) -> Array:
 
 
 # By Blender's names, of factors (n, 1) and colours (n, 3).
-OF_COLOURS: dict[str, Callable[[Array, Array, Array], Array]] = {
+OF_COLOURS: dict[str, Callable[[Array, Array, Array], Any]] = {
     "MIX": lambda t, a, b: a + t * (b - a),
     "DARKEN": lambda t, a, b: a + t * (np.minimum(a, b) - a),
     "MULTIPLY": lambda t, a, b: a + t * (a * b - a),
@@ -84,7 +86,7 @@ def _mixed(factor: Array, a: Array, b: Array) -> Array:
     return a + factor * (b - a)
 
 
-OPERATIONS: dict[str, Callable[..., Array]] = {
+OPERATIONS: dict[str, Callable[..., Any]] = {
     "mix": _mixed,
     "blend": lambda mode, factor, a, b: OF_COLOURS[mode](factor[:, None], a, b),
 }

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,9 +58,7 @@ def _hue(rgb: Array, top: Array, span: Array) -> Array:
 def _from_hue(hue: Array, top: Array, chroma: Array) -> Array:
     """Of the hue, the strongest channel, and how far below it the weakest is."""
     share = np.clip(
-        np.stack(
-            (np.abs(6.0 * hue - 3.0) - 1.0, 2.0 - np.abs(6.0 * hue - 2.0), 2.0 - np.abs(6.0 * hue - 4.0)), axis=1
-        ),
+        np.stack((np.abs(6.0 * hue - 3.0) - 1.0, 2.0 - np.abs(6.0 * hue - 2.0), 2.0 - np.abs(6.0 * hue - 4.0)), axis=1),
         0.0,
         1.0,
     )
@@ -123,10 +122,13 @@ def _fire(kelvin: Array, intensity: Array, tint: Array) -> Array:
     share = np.where(intensity > 1e-5, np.clip(intensity, 0.0, 1.0), 0.0)
     temperature = np.maximum(kelvin, 0.0)
     power = STEFAN_BOLTZMANN * 1e-6 / np.pi * (1.0 + share * (temperature**4 - 1.0))
-    return (share > 0.0)[:, None] * np.maximum(power, 0.0)[:, None] * np.maximum(tint, 0.0) * blackbody(temperature)
+    found: Array = (
+        (share > 0.0)[:, None] * np.maximum(power, 0.0)[:, None] * np.maximum(tint, 0.0) * blackbody(temperature)
+    )
+    return found
 
 
-OPERATIONS: dict[str, Callable[..., Array]] = {
+OPERATIONS: dict[str, Callable[..., Any]] = {
     "grey": lambda rgb: rgb @ np.array(_LUMINANCE),
     "mean": lambda vector: vector.mean(axis=1),
     "spread": lambda number: np.repeat(number[:, None], 3, axis=1),
@@ -145,7 +147,7 @@ OPERATIONS: dict[str, Callable[..., Array]] = {
 }
 
 # Of colours and vectors, part by part.
-_EACH: dict[str, Callable[..., Array]] = {
+_EACH: dict[str, Callable[..., Any]] = {
     "sum": lambda a, b: a + b,
     "difference": lambda a, b: a - b,
     "product": lambda a, b: a * b,

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 # Of numbers (n,) and colours or vectors (n, 3), with n of 1 for what is the same everywhere, the same. What an operation
 # takes besides comes first.
-_OPERATIONS: dict[str, Callable[..., Array]] = {
+_OPERATIONS: dict[str, Callable[..., Any]] = {
     **mathematics.OPERATIONS,
     **blending.OPERATIONS,
     **colours.OPERATIONS,
@@ -111,8 +111,9 @@ def _looked_up(grids: Mapping[str, Array], name: str, output: str, absent: float
     if output == "Alpha":
         return alpha
     if output == "Fac":
-        return cells[:, :3].mean(axis=1)
-    return cells[:, :3] / np.where(alpha > 1e-6, alpha, 1.0)[:, None]
+        return np.asarray(cells[:, :3].mean(axis=1))
+    found: Array = cells[:, :3] / np.where(alpha > 1e-6, alpha, 1.0)[:, None]
+    return found
 
 
 def ramp_of(wanted: Sequence[Field]) -> tuple[str, Callable[[Array], list[Array]]] | None:

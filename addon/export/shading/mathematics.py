@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,13 @@ def _logarithm(a: Array, base: Array) -> Array:
 
 def _smooth_minimum(a: Array, b: Array, distance: Array) -> Array:
     near = np.maximum(_over(distance - np.abs(a - b), distance), 0.0)
-    return np.minimum(a, b) - near**3 * distance / 6.0
+    found: Array = np.minimum(a, b) - near**3 * distance / 6.0
+    return found
 
 
 def _fraction(a: Array) -> Array:
-    return a - np.floor(a)
+    found: Array = a - np.floor(a)
+    return found
 
 
 def _remainder(a: Array, b: Array) -> Array:
@@ -46,7 +49,7 @@ def _ping_pong(a: Array, b: Array) -> Array:
 
 
 # By Blender's names, of the numbers that the operation takes.
-OF_NUMBERS: dict[str, Callable[..., Array]] = {
+OF_NUMBERS: dict[str, Callable[..., Any]] = {
     "ADD": np.add,
     "SUBTRACT": np.subtract,
     "MULTIPLY": np.multiply,
@@ -116,7 +119,7 @@ def _ranged(
     return _clamped_between(found, to_low, to_high) if clamp else found
 
 
-OPERATIONS: dict[str, Callable[..., Array]] = {
+OPERATIONS: dict[str, Callable[..., Any]] = {
     "math": lambda name, *values: OF_NUMBERS[name](*values),
     "clamp": _clamped,
     "clamp between": _clamped_between,

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,12 +36,14 @@ def _weights(share: Array, tension: float) -> Array:
 
 def _b_spline_weights(share: Array) -> Array:
     t = share
-    return (
+    found: Array = (
         np.stack(
-            ((1.0 - t) ** 3, 3.0 * t**3 - 6.0 * t**2 + 4.0, -3.0 * t**3 + 3.0 * t**2 + 3.0 * t + 1.0, t**3), axis=1
+            ((1.0 - t) ** 3, 3.0 * t**3 - 6.0 * t**2 + 4.0, -3.0 * t**3 + 3.0 * t**2 + 3.0 * t + 1.0, t**3),
+            axis=1,
         )
         / 6.0
     )
+    return found
 
 
 def _hues(how: str, share: Array, left: Array, right: Array) -> Array:
@@ -56,7 +59,8 @@ def _hues(how: str, share: Array, left: Array, right: Array) -> Array:
         turn = np.where(away < 0.0, 1.0, 0.0)
     else:
         turn = np.where(away > 0.0, -1.0, 0.0)
-    return (left + share * (away + turn)) % 1.0
+    found: Array = (left + share * (away + turn)) % 1.0
+    return found
 
 
 def _ramp(interpolation: str, mode: str, hue: str, stops: Stops, at: Array) -> Array:
@@ -81,7 +85,8 @@ def _ramp(interpolation: str, mode: str, hue: str, stops: Stops, at: Array) -> A
         before = np.where(after < 2, left, left - 1)
         beyond = np.where(after >= last, right, right + 1)
         around = np.stack([values[stop] for stop in (before, left, right, beyond)], axis=1)
-        return np.clip(np.einsum("nk,nkc->nc", weights, around), 0.0, 1.0)
+        found: Array = np.clip(np.einsum("nk,nkc->nc", weights, around), 0.0, 1.0)
+        return found
     if mode == "RGB" and interpolation == "EASE":
         share = share**2 * (3.0 - 2.0 * share)
     share = np.where((after == 0) | (after > last), 0.0, share)
@@ -95,7 +100,7 @@ def _ramp(interpolation: str, mode: str, hue: str, stops: Stops, at: Array) -> A
     return mixed
 
 
-OPERATIONS: dict[str, Callable[..., Array]] = {
+OPERATIONS: dict[str, Callable[..., Any]] = {
     "ramp's colour": lambda *settings: _ramp(*settings)[:, :3],
     "ramp's alpha": lambda *settings: _ramp(*settings)[:, 3],
 }

@@ -40,7 +40,11 @@ class Look:
         """The grids that are asked for."""
         plain = [] if self.plain is None or not self.plain.extinction.any() else [self.plain.attribute]
         found = frozenset[str]().union(
-            *(field.attributes for body in self.bodies for field in (body.scattering, body.absorption, body.anisotropy)),
+            *(
+                field.attributes
+                for body in self.bodies
+                for field in (body.scattering, body.absorption, body.anisotropy)
+            ),
             *(field.attributes for field in self.emission),
         )
         return list(dict.fromkeys([*plain, *sorted(found)]))
@@ -175,14 +179,13 @@ def _plain(reader: Reader, found: list[tuple[Place, Field]]) -> materials.Smoke 
         return None
     omissions.of_node(place.node, reader.owner, reader.notices)
     tint = place.node.inputs["Color Attribute"].default_value
-    absorbed, colour = np.maximum(absorbed[0], 0.0), np.maximum(colour[0], 0.0)
-    if tint and (absorbed.any() or colour.max() > 1.0):
+    opaque: NDArray[np.float64] = np.maximum(absorbed[0], 0.0)
+    shown: NDArray[np.float64] = np.maximum(colour[0], 0.0)
+    if tint and (opaque.any() or shown.max() > 1.0):
         return None  # the tint is in the extinction, too
     amount = max(0.0, float(density[0]))
-    absorption = amount * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - np.sqrt(absorbed), 0.0)
-    return materials.Smoke(
-        amount * colour, absorption, float(np.clip(anisotropy[0], -_MOST, _MOST)), attribute, tint
-    )
+    absorption = amount * np.maximum(1.0 - shown, 0.0) * np.maximum(1.0 - np.sqrt(opaque), 0.0)
+    return materials.Smoke(amount * shown, absorption, float(np.clip(anisotropy[0], -_MOST, _MOST)), attribute, tint)
 
 
 def _is_one(weight: Field) -> bool:
@@ -215,10 +218,10 @@ def _body(reader: Reader, place: Place, weight: Field) -> Body:
             for which in ("Scatter", "Absorption")
         )
         return Body(scattering, absorption, _anisotropy(reader, place))
-    reader.notices.append(
-        f"{reader.owner}: its volume shader {node.bl_rna.name} is shown as white smoke of density 1"
+    reader.notices.append(f"{reader.owner}: its volume shader {node.bl_rna.name} is shown as white smoke of density 1")
+    white = _scaled(
+        _math("MULTIPLY", weight, fields.grid("density", "Fac", absent=1.0)), fields.constant((1.0, 1.0, 1.0))
     )
-    white = _scaled(_math("MULTIPLY", weight, fields.grid("density", "Fac", absent=1.0)), fields.constant((1.0, 1.0, 1.0)))
     return Body(white, black, fields.constant(0.0))
 
 

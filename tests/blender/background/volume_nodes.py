@@ -14,9 +14,9 @@ from sfumato.export import parts, scene
 from sfumato.export.shading import fields, reading
 
 # Cycles has ramps at these places alone.
-VALUES = np.concatenate((np.arange(0, 256, 5) / 255.0, (-1.3, -0.4, 1.25, 2.5))).astype(np.float32).astype(np.float64)
+VALUES = np.array([*np.arange(0, 256, 5) / 255.0, -1.3, -0.4, 1.25, 2.5]).astype(np.float32).astype(np.float64)
 OTHERS = (VALUES[::-1] * 0.7 + 0.1) % 1.0
-Build = Callable[[Any, Any, Any, Any], Any]  # of a tree and the sockets of two numbers and a colour: the colour's
+Build = Callable[..., Any]  # of a tree and the sockets of two numbers and a colour: the colour's
 
 
 def node(tree: Any, kind: str, *inputs: Any, **settings: Any) -> Any:
@@ -239,17 +239,23 @@ def test_nodes_calculate_what_those_of_cycles_do() -> None:
         field = reading.Reader("Chains", notices).value(reading.Place(shader), "Color")
         ours = np.broadcast_to(fields.evaluate([field], grids)[0], row.shape)
         shown = np.isfinite(row) & (np.abs(row) < 1e4)
-        error = np.where(shown, np.abs(ours - row) / np.maximum(np.abs(row).max(axis=1, keepdims=True), 0.1), 0.0).max(axis=1)
+        error = np.where(shown, np.abs(ours - row) / np.maximum(np.abs(row).max(axis=1, keepdims=True), 0.1), 0.0).max(
+            axis=1
+        )
         worst = int(error.argmax())
         if notices or not error[worst] < 2e-3:
-            wrong.append(f"{name}: {error[worst]:.2g} at {VALUES[worst]:.3f}, {tone[worst]}: {ours[worst]}, {row[worst]} {notices}")
+            wrong.append(
+                f"{name}: {error[worst]:.2g} at {VALUES[worst]:.3f}, {tone[worst]}: {ours[worst]}, {row[worst]} {notices}"
+            )
     print(f"  {len(built)} chains")
     assert not wrong, "\n".join(wrong)
 
 
 TINTED = harness.ROOT / "tests" / "goldens" / "tinted_smoke.vdb"  # density, tint, and grey in a larger box
 FIRE = harness.ROOT / "blend_samples" / "fire.blend"
-FLAMES = harness.ROOT / "blend_samples" / "fire_cache" / "data" / "fluid_data_0016.vdb"  # density, flame, heat, temperature
+FLAMES = (
+    harness.ROOT / "blend_samples" / "fire_cache" / "data" / "fluid_data_0016.vdb"
+)  # density, flame, heat, temperature
 SIZE = (36, 36)
 
 
@@ -349,7 +355,8 @@ def shaders_of_smoke() -> dict[str, tuple[int, Shading]]:
         "density by two grids": (
             1, lambda t: principled(t, density=times(t, smooth(t, "grey", 0.2, 0.9, 0.0, 6.0), attribute(t, "density")))),
         "density by a ramp": (
-            1, lambda t: principled(t, density=times(t, ramp(t, attribute(t, "density"), "B_SPLINE").outputs[1], 2.0))),
+            1, lambda t: principled(t, density=times(t, ramp(t, attribute(t, "density"), "CARDINAL", stops=(
+                (20.0, (0.0, 0.0, 0.0, 0.0)), (90.0, (0.0, 0.0, 0.0, 0.9)), (200.0, (0.0, 0.0, 0.0, 0.3)))).outputs[1], 5.0))),
         "color by a ramp": (1, lambda t: principled(
             t, density=4.0, density_attribute="density", color=colours_of(t, "density"), anisotropy=0.3)),
         "a color attribute above 1": (1, lambda t: tinted(t, (2.0, 0.8, 0.7), density=3.0, color_attribute="tint")),
@@ -436,7 +443,8 @@ def shaders_of_fire() -> dict[str, Shading]:
 
 def burns(data: Any, domain: bool) -> None:
     wrong = ""
-    bpy.context.scene.cycles.samples = 32 if bpy.app.version < (5, 0, 0) else 128
+    cycles = bpy.context.scene.cycles
+    cycles.samples, cycles.volume_step_rate = 32 if bpy.app.version < (5, 0, 0) else 128, 0.5
     for case, build in shaders_of_fire().items():
         if domain and case not in {"fire by ramps", "a temperature by two grids"}:
             continue
