@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat, props
-from . import emission, materials, omissions
+from . import materials
+from .shading import fields, shaders
 
 Array = NDArray[np.float64]
 
@@ -39,24 +40,27 @@ class Even:
 NOTHING = Even(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
 
 
-def even_volume(shaders: list[Any], name: str, notices: list[str]) -> Even:
-    """The sum of volume shaders where there are no grids, as Cycles fills the world or a mesh: attributes of theirs that
-    are not there count for nothing."""
-    out = NOTHING
+def even_volume(output: Any, name: str, notices: list[str]) -> Even | None:
+    """What fills a world or a mesh by its node of output, where there are no grids: attributes of theirs that are not there
+    are as in Cycles. None where nothing is linked."""
+    look = shaders.of_output(output, name, notices, rayleigh=True)
+    if look is None:
+        return None
+    emitted = sum((each[0] for each in fields.evaluate(look.emission, {})), np.zeros(3))
+    if look.plain is not None:
+        return Even(np.zeros(3), look.plain.scattering, look.plain.absorption, emitted, look.plain.anisotropy)
+    out = replace(NOTHING, emission=emitted)
     leanings: list[tuple[float, float]] = []  # what scatters with which anisotropy
-    for shader in shaders:
-        each = _of_shader(shader, name, notices)
-        emitted = sum(
-            (emitter.everywhere().of(np.zeros(1))[0] for emitter in emission.of_shader(shader, name, [])), 0.0
+    for body in look.bodies:
+        scattering, absorption, leaning = (
+            each[0] for each in fields.evaluate((body.scattering, body.absorption, body.anisotropy), {})
         )
-        out = Even(
-            out.rayleigh + each.rayleigh,
-            out.mie + each.mie,
-            out.absorption + each.absorption,
-            out.emission + emitted,
-        )
-        if each.mie.any():
-            leanings.append((float(each.mie.sum()), each.anisotropy))
+        out = replace(out, absorption=out.absorption + absorption)
+        if body.rayleigh:
+            out = replace(out, rayleigh=out.rayleigh + scattering)
+        else:
+            out = replace(out, mie=out.mie + scattering)
+            leanings += [(float(scattering.sum()), float(leaning))] if scattering.any() else []
     if not leanings:
         return out
     mean = float(np.average([g for _, g in leanings], weights=[weight for weight, _ in leanings]))
@@ -67,47 +71,16 @@ def even_volume(shaders: list[Any], name: str, notices: list[str]) -> Even:
     return replace(out, anisotropy=mean)
 
 
-def _of_shader(shader: Any, name: str, notices: list[str]) -> Even:
-    """What one volume shader scatters and absorbs."""
-    if shader.type == "EMISSION":
-        return NOTHING
-    if shader.type == "PRINCIPLED_VOLUME":
-        smoke = materials.of_points(shader, name, notices)
-        return replace(NOTHING, mie=smoke.scattering, absorption=smoke.absorption, anisotropy=smoke.anisotropy)
-    if shader.type not in {"VOLUME_SCATTER", "VOLUME_ABSORPTION"}:
-        notices.append(f"{name}: its volume shader {shader.bl_rna.name} is not shown; it fills nothing")
-        return NOTHING
-    omissions.of_node(shader, name, notices)
-    density = max(0.0, materials.value_of(shader, "Density", name, notices))
-    colour = np.maximum(materials.value_of(shader, "Color", name, notices), 0.0)
-    if shader.type == "VOLUME_ABSORPTION":
-        if density * colour.max() > density:
-            notices.append(f"{name}: Color above 1 of its Volume Absorption adds light in Cycles; it absorbs none here")
-        return replace(NOTHING, absorption=density * np.maximum(1.0 - colour, 0.0))
-    phase = getattr(shader, "phase", "HENYEY_GREENSTEIN")  # 4.3
-    if phase == "RAYLEIGH":
-        return replace(NOTHING, rayleigh=density * colour)
-    anisotropy = float(np.clip(materials.value_of(shader, "Anisotropy", name, notices), -0.999, 0.999))
-    if phase != "HENYEY_GREENSTEIN":
-        called = shader.bl_rna.properties["phase"].enum_items[phase].name
-        notices.append(
-            f"{name}: the phase {called} of its {shader.bl_rna.name} is not followed; it scatters as Henyey and "
-            f"Greenstein's of anisotropy {anisotropy:.3g}"
-        )
-    return replace(NOTHING, mie=density * colour, anisotropy=anisotropy)
-
-
 def has_volume(world: Any) -> bool:
     """Whether a world's own nodes fill it."""
-    return bool(_shaders_of(world))
+    output = _output_of(world)
+    return output is not None and materials.linked_node(output, "Volume") is not None
 
 
-def _shaders_of(world: Any) -> list[Any]:
-    """The volume shaders whose sum fills a world."""
+def _output_of(world: Any) -> Any | None:
     if not compat.uses_nodes(world) or world.node_tree is None:
-        return []
-    output = materials.output_in(world.node_tree, "OUTPUT_WORLD")
-    return [] if output is None else materials.added(materials.linked_node(output, "Volume"))
+        return None
+    return materials.output_in(world.node_tree, "OUTPUT_WORLD")
 
 
 def _of_panel(own: props.SfumatoAir) -> Even:
@@ -124,13 +97,12 @@ def add_air(scene: Any, depsgraph: Any, origin: Array, space: Any, suns: list[st
         return
     own = props.of_air(world)
     # Without the sky Cycles has no volume of the world either. The panel's air is not of the sky.
-    shaders = _shaders_of(world) if depsgraph.view_layer_eval.use_sky else []
-    if shaders and _is_blenders(space):
+    output = _output_of(world) if depsgraph.view_layer_eval.use_sky and has_volume(world) else None
+    if output is not None and _is_blenders(space):
         return
-    volume = None
+    volume = None if output is None else even_volume(output, "World", notices)
     shape: dict[str, Any] = {}
-    if shaders:
-        volume = even_volume(shaders, "World", notices)
+    if volume is not None:
         if volume.emission.any():
             notices.append("World: its volume glows, but lights nothing by that")
         if suns and not volume.is_nothing:
