@@ -152,11 +152,21 @@ void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet,
 void trace_particles(const FrameView &frame, const Packet &packet, Layers &out);                 // particles_lanes.cpp
 void trace_strands(const FrameView &frame, const Packet &packet, Layers &out);                   // strands_lanes.cpp
 void merge(const FrameView &frame, const Packet &packet, Layers &out);                           // merge_lanes.cpp
+void light_puffs(const FrameView &frame, std::span<const Puff> puffs, std::span<const glm::vec3> directions,
+                 bool past_smoke, std::span<glm::vec3> out);
+void light_strands(const FrameView &frame, std::span<const StrandSegment> segments, std::span<glm::vec3> out);
+void light_sheets(const FrameView &frame, std::span<const SheetPoint> points, std::span<glm::vec3> out);
 
 void march(const FrameView &frame, const Packet &packet, Layers &out) {
     frame.grey ? march_in<1>(frame, packet, out) : march_in<3>(frame, packet, out);
 }
 
-extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_strands, trace_particles, march, merge};
+extern const FrameKernels frame_kernels{trace_surfaces,
+                                        trace_sheets,
+                                        trace_strands,
+                                        trace_particles,
+                                        march,
+                                        merge,
+                                        {light_puffs, light_strands, light_sheets}};
 
 } // namespace sfumato::SFUMATO_ISA
