@@ -65,26 +65,32 @@ private:
     double near_ = 0.0, near_width_ = 1.0;
 };
 
-// What a segment covers of a picture: as thin as a pixel at least, and then so much less opaque.
+// What a segment shows in of a picture, whose samples see as far as `reach` pixels around them.
 class Strip {
 public:
-    Strip(const Camera &camera, int width, int height) : camera_(camera), size_(width, height) {}
+    Strip(const Camera &camera, int width, int height, float reach)
+        : camera_(camera), size_(width, height), reach_(reach) {}
 
     void add(const StrandSegment &s, Triangles &out) const {
-        constexpr float HALF = 0.5F; // pixels
         const glm::vec2 from(s.from[0], s.from[1]), to(s.to[0], s.to[1]), way = to - from;
         const float length = glm::length(way);
         const glm::vec2 along = length > 0.0F ? way / length : glm::vec2(1.0F, 0.0F), across(-along.y, along.x);
-        const float begins = std::max(s.from_radius, HALF), ends = std::max(s.to_radius, HALF);
-        const glm::vec2 aside = mitred(across, s.from_joint) * begins, end_aside = mitred(across, s.to_joint) * ends;
-        const std::array<glm::vec3, 4> corners{
-            point(from - aside, s.from_distance), point(from + aside, s.from_distance),
-            point(to + end_aside, s.to_distance), point(to - end_aside, s.to_distance)};
-        for (const std::size_t corner : {0, 1, 2, 0, 2, 3}) {
-            out.corners.push_back(corners[corner]);
+        struct Corner {
+            glm::vec3 place;
+            glm::vec2 strip;
+        };
+        const auto corner = [&](bool start, float side) {
+            const float radius = start ? s.from_radius : s.to_radius, away = side * (radius + reach_);
+            const glm::vec2 aside = mitred(across, start ? s.from_joint : s.to_joint) * away;
+            return Corner{point((start ? from : to) + aside, start ? s.from_distance : s.to_distance), {away, radius}};
+        };
+        const std::array<Corner, 4> corners{corner(true, -1.0F), corner(true, 1.0F), corner(false, 1.0F),
+                                            corner(false, -1.0F)};
+        for (const std::size_t i : {0, 1, 2, 0, 2, 3}) {
+            out.corners.push_back(corners[i].place);
+            out.strip.push_back(corners[i].strip);
         }
-        const float opacity = std::min((s.from_radius + s.to_radius) / (begins + ends), 1.0F);
-        out.opacity.insert(out.opacity.end(), 2, opacity);
+        out.opacity.insert(out.opacity.end(), 2, 1.0F);
     }
 
 private:
@@ -105,6 +111,7 @@ private:
 
     const Camera &camera_;
     glm::vec2 size_;
+    float reach_;
 };
 
 // One sheet's triangles, each cut into equal ones that are not larger than LONGEST of the picture's width.
@@ -134,6 +141,7 @@ public:
                 const glm::vec3 place = corner[0] + (corner[1] - corner[0]) * u + (corner[2] - corner[0]) * v;
                 points.push_back({place, eye_.towards(place), eye_.distance(place), sheet.place, triangle, u, v});
                 out.corners.push_back(place);
+                out.strip.emplace_back(0.0F);
             };
             const auto whole = [&] {
                 out.opacity.push_back(
@@ -199,13 +207,14 @@ Sprites Frame::sprites(const Camera &camera, bool past_smoke) const {
 }
 
 Triangles Frame::triangles(const Camera &camera, int width, int height) const {
+    const double reach = Filter().diameter() / 2.0; // pixels
     Triangles out;
     Views seen = views(camera, width, height, Layer::RADIANCE, step_length_);
     if (!content_.strands.empty()) {
-        see_strands(camera, width, height, Filter().diameter() / 2.0, seen);
+        see_strands(camera, width, height, reach, seen);
     }
     const std::vector<StrandSegment> &segments = seen.strands.segments;
-    const Strip strip(camera, width, height);
+    const Strip strip(camera, width, height, static_cast<float>(reach));
     for (const StrandSegment &segment : segments) {
         strip.add(segment, out);
     }

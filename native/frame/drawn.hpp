@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 namespace sfumato {
@@ -22,9 +23,11 @@ struct Sprites {
     std::vector<float> radius, opacity;
 };
 
-// Three corners and colours each, and one opacity.
+// Three corners and colours each, and one opacity. Of a strand's, each corner also has how far it is from the strand's
+// middle, and half of the strand's width, in pixels; a sheet's have 0.
 struct Triangles {
     std::vector<glm::vec3> corners, colour;
+    std::vector<glm::vec2> strip;
     std::vector<float> opacity;
 };
 

@@ -221,8 +221,12 @@ py::tuple triangles(const Frame &frame, const Camera &camera, int width, int hei
         made = frame.triangles(camera, width, height);
     }
     const auto count = static_cast<py::ssize_t>(made.opacity.size());
+    std::vector<float> strip;
+    for (const glm::vec2 &corner : made.strip) {
+        strip.insert(strip.end(), {corner.x, corner.y});
+    }
     return py::make_tuple(from_rows(made.corners, {count, 3, 3}), to_numpy(std::move(made.opacity), {count}),
-                          from_rows(made.colour, {count, 3, 3}));
+                          from_rows(made.colour, {count, 3, 3}), to_numpy(std::move(strip), {count, 3, 2}));
 }
 
 void require_light(const Frame &frame, int light) {
@@ -411,13 +415,14 @@ opacity of 1, past solids and, unless past_smoke says otherwise, past all smoke 
             "triangles", &triangles, py::arg("camera"), py::arg("width"), py::arg("height"),
             R"(Of a drawable frame the hair and the transparent meshes that a camera sees, as triangles for a picture of
 width x height pixels: corners (n, 3, 3); opacity (n,); colour (n, 3, 3), the radiance that each corner sends to the eye
-at an opacity of 1. Hair is strips that face the camera, a pixel wide at least and then less opaque; meshes are cut to
-pieces that are small in the picture, since their light is straight between corners.
+at an opacity of 1; strip (n, 3, 2), of hair how far each corner is from its middle, and half of its width, in pixels,
+else 0. Hair is strips that face the camera, wider than it by what a pixel sees around itself; meshes are cut to pieces
+that are small in the picture, since their light is straight between corners.
 
 >>> import numpy as np
 >>> scene, glass = Scene(), Mesh([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
 >>> scene.add_instances(glass, np.eye(4), albedo=[[0, 0, 0]], transmittance=[[0.25, 0.25, 0.25]])
->>> corners, opacity, colour = Frame(scene).triangles(Camera(np.eye(4)), 64, 64)
+>>> corners, opacity, colour, strip = Frame(scene).triangles(Camera(np.eye(4)), 64, 64)
 >>> corners.shape, set(opacity.tolist())
 ((576, 3, 3), {0.75})
 )")

@@ -28,6 +28,11 @@ class Frame:
         basis: str = "cosine",
         ranges: str = "own",
     ) -> None: ...
+    @property
+    def drawable(self) -> bool:
+        """Whether what is sorted can be drawn by a GPU, as sprites() and triangles(): none of it takes one colour
+        more than another, and there are no grids to sort it with.
+        """
     def glance(
         self,
         camera: Camera,
@@ -59,7 +64,7 @@ class Frame:
         """A list of LitMedium, those that hold any smoke and that the camera sees."""
     @property
     def opaque(self) -> bool:
-        """Whether every surface has an alpha of 1: none is held out, or catches shadows."""
+        """Whether every surface that lets nothing through has an alpha of 1: none is held out, or catches shadows."""
     @property
     def origin(self) -> NDArray[numpy.float64]:
         """The scene's, (3,): the place in the world to which cameras and points are relative."""
@@ -102,8 +107,13 @@ class Frame:
         """The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom."""
     @property
     def sorted(self) -> bool:
-        """Whether anything else than grids may lie before an opaque surface, such as transparent meshes: pictures of
-        that are the processor's alone.
+        """Whether anything else than grids may lie before an opaque surface, such as transparent meshes: no march
+        through grids shows that.
+        """
+    def sprites(self, camera: Camera, past_smoke: bool = True) -> tuple[Any, ...]:
+        """Of a drawable frame the particles that a camera sees, as Transparency of the add-on draws them: points (n,
+        3); radius (n,); opacity (n,) through the middle; colour (n, 3), the radiance that each sends to the eye
+        at an opacity of 1, past solids and, unless past_smoke says otherwise, past all smoke and particles.
         """
     @property
     def stages(self) -> dict:
@@ -126,13 +136,20 @@ class Frame:
     ) -> Any:
         """(height, width, 4) float32: of the first surface what `output` says, and the distance to it through the
         pixel's centre in metres, the far plane's where there is none. "radiance": in the shadow of smoke and
-        solids, but without the smoke between it and the eye; "smoke_shadow": the share of the light on it that
-        smoke takes, in [0, 1], of all that it would have if it faced every light; "all_shadows": the share that
-        smoke and solids take.
+        solids, but without the smoke between it and the eye; "opaque": the same without transparent meshes before
+        it; "smoke_shadow": the share of the light on it that smoke takes, in [0, 1], of all that it would have if
+        it faced every light; "all_shadows": the share that smoke and solids take.
         """
     def transmittance(self, points: ArrayLike, light: int = 0) -> NDArray[numpy.float32]:
         """The share of a light that the smoke lets through to each of points (..., 3): (..., 3), RGB; light is its
         number. Solids are left out. Raises ValueError where there is no such light.
+        """
+    def triangles(self, camera: Camera, width: int, height: int) -> tuple[Any, ...]:
+        """Of a drawable frame the hair and the transparent meshes that a camera sees, as triangles for a picture of
+        width x height pixels: corners (n, 3, 3); opacity (n,); colour (n, 3, 3), the radiance that each corner
+        sends to the eye at an opacity of 1. Hair is strips that face the camera, a pixel wide at least and then
+        less opaque; meshes are cut to pieces that are small in the picture, since their light is straight between
+        corners.
         """
 
 class Grid:
