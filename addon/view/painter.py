@@ -141,7 +141,7 @@ class Painter:
     def _drawn_picture(self, view: _View, frame: Any, look: Look, spacing: int) -> Picture | None:
         """With all that is seen through drawn by the GPU before surfaces of the processor's; None where that is not the
         way."""
-        way = sorting.way_of(look.sorting, frame, look.overlay, self.software)
+        way = sorting.way_of(look.sorting, frame, self.software)
         self.sorted_by = way.why
         if not way.method:
             return None

@@ -31,14 +31,12 @@ class Way:
     why: str
 
 
-def way_of(asked: str, frame: Any, overlay: bool, software: bool) -> Way:
+def way_of(asked: str, frame: Any, software: bool) -> Way:
     """Of a frame that has what must be sorted, the way to draw it, as far as the frame alone says."""
     if asked == PROCESSOR:
         return Way("", "the processor, as chosen")
     if not frame.drawable:
-        return Way("", "the processor: there is smoke of grids among it, or it takes colors unalike")
-    if not (overlay or frame.opaque):
-        return Way("", "the processor: there are holdouts or shadow catchers")
+        return Way("", "the processor: with it there is smoke of grids, a holdout or a shadow catcher, or colored glass")
     if asked == AUTO and software:
         return Way("", "the processor: there is no graphics card")
     return Way("nearest" if asked == AUTO else asked.lower(), told("NEAREST" if asked == AUTO else asked))

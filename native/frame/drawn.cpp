@@ -170,7 +170,7 @@ private:
 } // namespace
 
 bool Frame::drawable() const {
-    return content_.media.empty() && content_.grey && content_.surfaces->dims_greyly();
+    return content_.media.empty() && content_.grey && content_.surfaces->dims_greyly() && covers();
 }
 
 Sprites Frame::sprites(const Camera &camera, bool past_smoke) const {

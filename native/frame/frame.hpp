@@ -63,8 +63,8 @@ public:
     [[nodiscard]] std::span<const CroppedMedium> media() const { return content_.media; }
     [[nodiscard]] std::size_t seen_media() const { return content_.seen_media; } // which come first
     [[nodiscard]] const Lighting &lighting() const { return content_.lighting; }
-    // Whether the first opaque surface on each ray has an alpha of 1.
-    [[nodiscard]] bool opaque() const { return content_.surfaces->opaque() || background_alpha_ == 1.0F; }
+    // Whether the first surface on each ray has an alpha of 1.
+    [[nodiscard]] bool opaque() const { return !content_.surfaces->sheets() && covers(); }
     // Whether the camera sees any.
     [[nodiscard]] bool particles() const { return content_.puffs && content_.puffs->seen > 0; }
     // Whether anything else than grids may lie before an opaque surface, which takes sorting along each ray.
@@ -78,6 +78,9 @@ public:
     [[nodiscard]] std::vector<StageClock::Row> stages() const { return clock_->rows(); }
 
 private:
+    // Whether what lets nothing through has an alpha of 1.
+    [[nodiscard]] bool covers() const { return content_.surfaces->opaque() || background_alpha_ == 1.0F; }
+
     // What the kernels read of a picture, and what that is made of.
     struct Views {
         MediaViews media;

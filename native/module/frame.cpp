@@ -405,7 +405,7 @@ opacity of 1, past solids and, unless past_smoke says otherwise, past all smoke 
 
 >>> import numpy as np
 >>> scene = Scene()
->>> scene.add_particles([[0, 0, 0]], radius=0.5, opacity=0.75)
+>>> scene.add_particles([[0, 0, 0]], radius=0.5, opacity=0.75, albedo=(1, 1, 1))
 >>> scene.add_sun((0, 0, -1), (4 * np.pi, 0, 0))
 >>> points, radius, opacity, colour = Frame(scene).sprites(Camera(np.eye(4)), past_smoke=False)
 >>> radius.tolist(), opacity.tolist(), colour.round(3).tolist()
@@ -471,7 +471,8 @@ the square of the light's size, as in falloff() of shaders/lights/light.glsl; st
             "catches shadows.")
         .def_property_readonly("drawable", &Frame::drawable,
                                "Whether what is sorted can be drawn by a GPU, as sprites() and triangles(): none of it "
-                               "takes one colour more than another, and there are no grids to sort it with.")
+                               "takes one colour more than another, there are no grids to sort it with, and no "
+                               "surface behind it is held out or catches shadows.")
         .def_property_readonly("particles", &Frame::particles, "Whether the camera sees any particles.")
         .def_property_readonly("sorted", &Frame::sorted,
                                "Whether anything else than grids may lie before an opaque surface, such as transparent "

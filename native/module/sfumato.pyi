@@ -31,7 +31,8 @@ class Frame:
     @property
     def drawable(self) -> bool:
         """Whether what is sorted can be drawn by a GPU, as sprites() and triangles(): none of it takes one colour
-        more than another, and there are no grids to sort it with.
+        more than another, there are no grids to sort it with, and no surface behind it is held out or catches
+        shadows.
         """
     def glance(
         self,
@@ -147,9 +148,10 @@ class Frame:
     def triangles(self, camera: Camera, width: int, height: int) -> tuple[Any, ...]:
         """Of a drawable frame the hair and the transparent meshes that a camera sees, as triangles for a picture of
         width x height pixels: corners (n, 3, 3); opacity (n,); colour (n, 3, 3), the radiance that each corner
-        sends to the eye at an opacity of 1. Hair is strips that face the camera, a pixel wide at least and then
-        less opaque; meshes are cut to pieces that are small in the picture, since their light is straight between
-        corners.
+        sends to the eye at an opacity of 1; strip (n, 3, 2), of hair how far each corner is from its middle, and
+        half of its width, in pixels, else 0. Hair is strips that face the camera, wider than it by what a pixel
+        sees around itself; meshes are cut to pieces that are small in the picture, since their light is straight
+        between corners.
         """
 
 class Grid:
