@@ -18,6 +18,9 @@ from .transparency import Light, Transparency, View
 
 # Of the published maps: side in texels, and coefficients, which fill two targets.
 PUBLISHED_SIDE, PUBLISHED_COEFFICIENTS = 512, 7
+# The air between what throws a shadow and what it falls on, as a share of the depth of all particles: what comes nearest to
+# suns of 17 and 34 degrees that are looked at point by point.
+SPREAD = 0.2
 
 
 class Drawn:
@@ -54,12 +57,16 @@ class Drawn:
         return self._transparency.composite(fragments, view, method, light)
 
     def _light_of(self, frame: Any) -> Light:
-        """The map of the one sun, as published: in half floats."""
+        """The map of the one sun, as published: in half floats; and where that has a size, softened by what its disk
+        spreads a shadow over SPREAD of the particles' depth."""
         if self._light is None or self._light[0] is not frame:
             points, radius, opacity, _colour = self._arrays[:4]
-            to_map = sun_map(np.asarray(frame.lights)[0, 0, :3], points, radius)
+            sun = np.asarray(frame.lights)[0]
+            to_map, reach = sun_map(sun[0, :3], points, radius, float(np.sqrt(sun[1, 3])))
             side = (PUBLISHED_SIDE, PUBLISHED_SIDE)
             light_map = self._maps.splat(points, radius, opacity, to_map, side, PUBLISHED_COEFFICIENTS, half=True)
+            if reach > 0:
+                light_map = self._maps.soften(light_map, PUBLISHED_COEFFICIENTS, reach)
             self._light = frame, Light(light_map, PUBLISHED_COEFFICIENTS, to_map)
         return self._light[1]
 
@@ -90,15 +97,21 @@ def view_matrix(matrix: Doubles) -> Doubles:
     return out
 
 
-def sun_map(direction: Doubles, points: Doubles, radius: Doubles) -> Doubles:
-    """world_to_map (4, 4) of a sun that shines along `direction` (3,) on balls: points (n, 3), radius (n,)."""
+def sun_map(direction: Doubles, points: Doubles, radius: Doubles, disk: float) -> tuple[Doubles, int]:
+    """world_to_map (4, 4) of a sun that shines along `direction` (3,) on balls: points (n, 3), radius (n,). And how many
+    texels a box reaches that blurs as much as a sun whose radius has the sine `disk`, over SPREAD of their depth."""
     z = direction.astype(np.float64) / np.linalg.norm(direction)
     x = np.cross(z, np.eye(3)[np.abs(z).argmin()])
     x /= np.linalg.norm(x)
     axes = np.stack((x, np.cross(z, x), z))
     there = points.astype(np.float64) @ axes.T
     low, high = (there - radius[:, None]).min(axis=0), (there + radius[:, None]).max(axis=0)
+    # Along an axis a disk's deviation is half of its radius, and a box's its width by the root of 12.
+    half_width = 0.5 * 3.0**0.5 * disk * SPREAD * (high[2] - low[2])
+    side = (high - low)[:2].max() + 2.0 * half_width  # texels are square
+    middle = 0.5 * (low + high)[:2]
+    low[:2], high[:2] = middle - 0.5 * side, middle + 0.5 * side
     out = np.eye(4)
     out[:3, :3] = axes / (high - low)[:, None]
     out[:3, 3] = -low / (high - low)
-    return out
+    return out, int(half_width / side * PUBLISHED_SIDE)

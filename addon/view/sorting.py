@@ -36,7 +36,9 @@ def way_of(asked: str, frame: Any, software: bool) -> Way:
     if asked == PROCESSOR:
         return Way("", "the processor, as chosen")
     if not frame.drawable:
-        return Way("", "the processor: with it there is smoke of grids, a holdout or a shadow catcher, or colored glass")
+        return Way(
+            "", "the processor: with it there is smoke of grids, a holdout or a shadow catcher, or colored glass"
+        )
     if asked == AUTO and software:
         return Way("", "the processor: there is no graphics card")
     return Way("nearest" if asked == AUTO else asked.lower(), told("NEAREST" if asked == AUTO else asked))

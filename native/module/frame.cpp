@@ -250,7 +250,7 @@ py::array_t<float> lights_of(const Frame &frame) {
     const auto row = [&values](const glm::vec3 &v, float last) { values.insert(values.end(), {v.x, v.y, v.z, last}); };
     for (const LightView &light : frame.lighting().views()) {
         row(light.direction, light.parallel() ? 1.0F : 0.0F);
-        row(light.position, light.size2);
+        row(light.position, light.parallel() ? light.radius * light.radius : light.size2);
         row(light.strength, static_cast<float>(light.samples.size()));
     }
     return to_numpy(std::move(values), {static_cast<py::ssize_t>(frame.lighting().views().size()), 3, 4});
@@ -463,7 +463,7 @@ sampled at; None where that light cannot meet it. Raises ValueError where there 
 )")
         .def_property_readonly("lights", &lights_of,
                                R"((n, 3, 4) float32: direction and 1 for a sun, else 0; position and
-the square of the light's size, as in falloff() of shaders/lights/light.glsl; strength, and the number of its samples.)")
+the square of the light's size, as in falloff() of shaders/lights/light.glsl, or of the sine of a sun's radius; strength, and the number of its samples.)")
         .def_property_readonly("grey", &Frame::grey, "Whether all smoke takes all colours alike: one march does.")
         .def_property_readonly(
             "opaque", &Frame::opaque,

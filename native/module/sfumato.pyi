@@ -58,7 +58,8 @@ class Frame:
     @property
     def lights(self) -> NDArray[numpy.float32]:
         """(n, 3, 4) float32: direction and 1 for a sun, else 0; position and the square of the light's size, as in
-        falloff() of shaders/lights/light.glsl; strength, and the number of its samples.
+        falloff() of shaders/lights/light.glsl, or of the sine of a sun's radius; strength, and the number of its
+        samples.
         """
     @property
     def media(self) -> list[Any]:
