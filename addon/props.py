@@ -8,6 +8,8 @@ from typing import Any
 
 import bpy
 
+from .view import sorting
+
 
 @dataclass(frozen=True)
 class Quality:
@@ -46,6 +48,13 @@ class SfumatoSettings(bpy.types.PropertyGroup):
             ("FINAL", "Final", "At several times the cost. " + OFF.format("0.08 %")),
         ),
         default="PREVIEW",
+    )
+    sorting: bpy.props.EnumProperty(  # type: ignore[valid-type]
+        name="Transparency",
+        description="How particles, hair and transparent meshes are put in order while a view moves. At rest, and in "
+        "renders, the processor does that exactly",
+        items=tuple((name, *words) for name, words in sorting.WAYS.items()),
+        default=sorting.AUTO,
     )
     missing_is_error: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Stop at Missing Smoke",

@@ -11,7 +11,7 @@ import bpy
 
 from . import core, log, ops, passes, props
 from .export import air
-from .view import overlay
+from .view import overlay, painter
 
 ENGINE = "SFUMATO"
 # Blender's own panels that make sense here are those of its plainest engine, and for lights, worlds and materials
@@ -113,6 +113,9 @@ class SfumatoViewportPanel(bpy.types.Panel):
         settings = props.of(context.scene)
         layout.prop(settings, "viewport_enabled")
         layout.prop(settings, "quality")
+        layout.prop(settings, "sorting")
+        if way := painter.sorted_by():
+            draw_wrapped(layout, f"Now by {way}", context.region.width, "INFO")
         if context.scene.render.engine != ENGINE:
             layout.operator(ops.SfumatoAddSmoke.bl_idname)
         if problem := core.problem():
@@ -131,9 +134,9 @@ class SfumatoViewportNoticesPanel(NoticesPanel, bpy.types.Panel):
         """What the view shows: smoke over Blender's picture, ours alone, or neither."""
         shading = context.space_data.shading.type
         if shading == "RENDERED":
-            return ("start", "view") if context.engine == ENGINE else ("start",)
+            return ("start", "view", "sorting") if context.engine == ENGINE else ("start",)
         drawn = shading in overlay.SHADING_TYPES and props.of(context.scene).viewport_enabled
-        return ("start", "viewport") if drawn else ("start",)
+        return ("start", "viewport", "sorting") if drawn else ("start",)
 
 
 class SfumatoViewportStagesPanel(StagesPanel, bpy.types.Panel):

@@ -16,6 +16,7 @@ from .shader import shader_text
 # Variants of shaders/viewport/fragment.glsl
 LIT, SOLIDS = "LIT", "SOLIDS"
 SLICES = 4  # of a sprite among triangles
+STRIP_REACH = 1.5  # pixels: half of what the filter of F12 is wide
 CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
@@ -32,11 +33,13 @@ class Sprites:
 
 @dataclass(frozen=True)
 class Triangles:
-    """corners (n, 3, 3), metres; alpha () or (n,) in [0, 1]; colour (3,) or (n, 3), radiance."""
+    """corners (n, 3, 3), metres; alpha () or (n,) in [0, 1]; colour (3,), (n, 3) or of each corner (n, 3, 3), radiance.
+    strip (n, 3, 2): of what is hair, how far a corner is from its middle and half of its width, in pixels; else 0."""
 
     corners: ArrayLike
     alpha: ArrayLike
     colour: ArrayLike
+    strip: ArrayLike | None = None
 
 
 class Fragments:
@@ -65,14 +68,19 @@ class Fragments:
             count = len(corners)
             alpha = _opacity(triangles.alpha, count)
             place.append(np.column_stack((corners.reshape(-1, 3), np.zeros(3 * count))))
-            shape.append(np.column_stack((np.zeros((3 * count, 2)), np.repeat(alpha, 3), np.zeros(3 * count))))
-            tint.append(np.repeat(_colours(triangles.colour, count), 3, axis=0))
+            strip = np.zeros((3 * count, 2)) if triangles.strip is None else _strip(triangles.strip, count)
+            shape.append(np.column_stack((strip, np.repeat(alpha, 3), np.zeros(3 * count))))
+            tint.append(_corner_colours(triangles.colour, count))
             first = np.concatenate((first, 4 * quads + np.arange(3 * count).reshape(-1, 3)))
         self._place = np.concatenate(place)
         self._attributes = {"place": self._place, "shape": np.concatenate(shape), "tint": np.concatenate(tint)}
         self._indices = first.astype(np.int32)
         self._vertices: Any = None
         self._batch: Any = None
+
+    def __len__(self) -> int:
+        """Of sprites and triangles."""
+        return len(self.points) + (len(self._indices) - 2 * self.slices * len(self.points))
 
     def depths(self, from_world: ArrayLike) -> tuple[float, float]:
         """The distances along the view between which all fragments in front of the camera are."""
@@ -134,6 +142,7 @@ def declare_fragments(info: Any, variants: list[str], coefficients: int, slices:
     for variant in variants:
         info.define(variant, "1")
     info.define("SLICES", str(slices))
+    info.define("STRIP_REACH", f"{STRIP_REACH}f")
     info.typedef_source(shader_text("viewport/fragment_uniforms.glsl"))
     info.uniform_buf(0, "FragmentView", "view")
     info.vertex_in(0, "VEC4", "place")
@@ -141,8 +150,8 @@ def declare_fragments(info: Any, variants: list[str], coefficients: int, slices:
     info.vertex_in(2, "VEC3", "tint")
     between = gpu.types.GPUStageInterfaceInfo("transparent")
     between.smooth("VEC3", "spot")  # in a sprite, and the distance along the view
-    between.flat("VEC4", "matter")  # colour and optical depth
-    between.flat("VEC3", "slice")  # radius, and where along the chord it begins and ends
+    between.smooth("VEC3", "sent")  # at an opacity of 1
+    between.flat("VEC4", "slice")  # radius, where along the chord it begins and ends, and the whole's optical depth
     if LIT in variants:
         info.define("MAP_LAYERS", str((coefficients + 4) // 4))
         between.smooth("VEC3", "in_map")
@@ -159,10 +168,27 @@ def _points(given: ArrayLike, shape: tuple[int, ...], name: str) -> Doubles:
     return array
 
 
+def _strip(given: ArrayLike, count: int) -> Doubles:
+    strip = arguments.finite(given, "strip")
+    if strip.shape != (count, 3, 2):
+        raise ValueError(f"strip has shape {strip.shape}, but must have ({count}, 3, 2)")
+    return strip.reshape(-1, 2)
+
+
 def _opacity(alpha: ArrayLike, count: int) -> Doubles:
     alphas = arguments.one_each(alpha, count, "alpha")
     arguments.each_within(alphas, 0.0, 1.0, "alpha")
     return alphas
+
+
+def _corner_colours(given: ArrayLike, count: int) -> Doubles:
+    """Of each corner of triangles, (3 count, 3)."""
+    if np.ndim(given) < 3:
+        return np.repeat(_colours(given, count), 3, axis=0)
+    colours = arguments.finite(given, "colour")
+    if colours.shape != (count, 3, 3):
+        raise ValueError(f"colour has shape {colours.shape}, but must have (3,), ({count}, 3) or ({count}, 3, 3)")
+    return colours.reshape(-1, 3)
 
 
 def _colours(given: ArrayLike, count: int) -> Doubles:

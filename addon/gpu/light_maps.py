@@ -170,6 +170,49 @@ class LightMaps:
         self._in_passes(light_map, count, "march", declare, fragment, None, draw)
         return light_map
 
+    def soften(self, light_map: Any, coefficients: int, reach: int) -> Any:
+        """The map of smoke that is averaged over 2 reach + 1 texels along both axes, for a light that has a size: a new
+        GPUTexture. Beyond the rim there is no smoke, so what is to keep its total must be `reach` texels from it."""
+        import gpu
+
+        count = arguments.odd_coefficients(coefficients)
+        arguments.within(reach, 0, 4096, "reach")
+        width, height = light_map.width, light_map.height
+        made = _new_map(width, height, count, light_map.format)
+        between = gpu.types.GPUTexture((width, height), format="RGBA32F")
+        across = gpu.types.GPUFrameBuffer(color_slots=[between])
+        for layer in range(_layers(count)):
+            self._mean(light_map, "light_map", layer, (1, 0), reach, across)
+            self._mean(between, "picture", 0, (0, 1), reach, _framebuffer(made, layer))
+        return made
+
+    def _mean(self, source: Any, name: str, layer: int, along: tuple[int, int], reach: int, buffer: Any) -> None:
+        """Along one axis, of a layer of a map or of a picture."""
+        is_map = name == "light_map"
+
+        def declare(info: Any) -> None:
+            info.define("TEXEL(at)", f"texelFetch({name}, {'ivec3(at, layer)' if is_map else 'at'}, 0)")
+            for number in ("reach", "layer"):
+                info.push_constant("INT", number)
+            for pair in ("along", "size"):
+                info.push_constant("IVEC2", pair)
+            info.sampler(0, "FLOAT_2D_ARRAY" if is_map else "FLOAT_2D", name)
+            info.fragment_out(0, "VEC4", "colour")
+
+        shader = self._shaders.get(
+            f"soften a {name}",
+            lambda: compile_shader(f"soften a {name}", declare, ["viewport/soften_fragment.glsl"]),
+        )
+        with plain_state(), buffer.bind():
+            shader.bind()
+            shader.uniform_sampler(name, source)
+            shader.uniform_int("reach", reach)
+            if is_map:  # elsewhere it is not used, and some compilers leave out what is not
+                shader.uniform_int("layer", layer)
+            shader.uniform_int("along", along)
+            shader.uniform_int("size", (source.width, source.height))
+            self._shaders.draw_screen(shader)
+
     def read(self, light_map: Any, coefficients: int) -> NDArray[np.float32]:
         """The coefficients of a map, (height, width, coefficients): a0, a1, b1, a2, b2, ..., row 0 at the bottom."""
         import gpu

@@ -16,6 +16,9 @@ from .smoke import Smoke, smoke_shader
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "lavapipe", "swiftshader", "gdi generic", "basic render")
 
 
+CORNERS = ("near0", "near_u", "near_v", "far0", "far_u", "far_v")  # of camera_ray() in shaders/camera.glsl
+
+
 def is_software() -> bool:
     """Whether what draws is a software rasteriser."""
     import gpu
@@ -39,8 +42,21 @@ class Target:
         self.size, self.overlay = size, overlay
         self.textures = [gpu.types.GPUTexture(size, format="RGBA16F") for _ in range(2 if overlay else 1)]
         self.buffer = gpu.types.GPUFrameBuffer(color_slots=self.textures)
+        self._single = [gpu.types.GPUFrameBuffer(color_slots=[held]) for held in self.textures] if overlay else []
         self._uniforms: Any = None
         self._floats = 0
+
+    def lay_over(self, shaders: Shaders, picture: Any) -> None:
+        """Composite a premultiplied picture before what was drawn; of an overlay its transmittance, too."""
+        radiance, *rest = self._single or [self.buffer]
+        with radiance.bind():
+            composite(shaders, picture, "ALPHA_PREMULT", 1.0, 0.0)
+        for transmittance in rest:
+            shader = shaders.get("left", left_shader)
+            with transmittance.bind(), _blended("MULTIPLY"):
+                shader.bind()
+                shader.uniform_sampler("picture", picture)
+                shaders.draw_screen(shader)
 
     def uniforms(self, values: np.ndarray) -> Any:
         """The uniform buffer, with these floats in it."""
@@ -66,6 +82,22 @@ def draw_smoke(shaders: Shaders, target: Target, smoke: Smoke, surfaces: Any, co
         for name, held in smoke.textures.items():
             shader.uniform_sampler(name, held)
         shaders.draw_screen(shader)
+
+
+def distances(shaders: Shaders, surfaces: Any, corners: np.ndarray, axis: np.ndarray) -> Any:
+    """A texture of how far away along the view `surfaces` are, by sfumato.Camera.corners; axis (4,) gives a place's."""
+    import gpu
+
+    shader = shaders.get("distances", distances_shader)
+    made = gpu.types.GPUTexture((surfaces.width, surfaces.height), format="R32F")
+    with plain_state(), gpu.types.GPUFrameBuffer(color_slots=[made]).bind():
+        shader.bind()
+        for name, corner in zip(CORNERS, corners):
+            shader.uniform_float(name, corner)
+        shader.uniform_float("axis", axis)
+        shader.uniform_sampler("surfaces", surfaces)
+        shaders.draw_screen(shader)
+    return made
 
 
 @contextlib.contextmanager
@@ -124,6 +156,25 @@ def _blended(mode: str) -> Iterator[None]:
     with plain_state():
         gpu.state.blend_set(mode)
         yield
+
+
+def distances_shader() -> Any:
+    def declare(info: Any) -> None:
+        for name in CORNERS:
+            info.push_constant("VEC3", name)
+        info.push_constant("VEC4", "axis")
+        info.sampler(0, "FLOAT_2D", "surfaces")
+        info.fragment_out(0, "VEC4", "distance_to_solid")
+
+    return compile_shader("distances", declare, ["camera.glsl", "viewport/solids_fragment.glsl"])
+
+
+def left_shader() -> Any:
+    def declare(info: Any) -> None:
+        info.sampler(0, "FLOAT_2D", "picture")
+        info.fragment_out(0, "VEC4", "colour")
+
+    return compile_shader("left", declare, ["viewport/left_fragment.glsl"])
 
 
 def composite_shader() -> Any:

@@ -25,7 +25,7 @@ MOST_TERMS = 12  # of the published series, two a colour target
 NO_DEPTH = 2.0  # behind all depths
 METHODS = ("nearest", "fourier", "weighted", "sorted")
 
-TEXT = ["rays/opacity.glsl", "rays/basis.glsl", "frame/oit.glsl", "media/puff.glsl"]
+TEXT = ["camera.glsl", "rays/opacity.glsl", "rays/basis.glsl", "frame/oit.glsl", "media/puff.glsl"]
 VERTEX = ["rays/opacity.glsl", "viewport/fragment_vertex.glsl"]
 
 

@@ -17,10 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from .. import core
+from .. import core, log
 from ..gpu import passes
-from ..gpu.shader import Shaders, texture
+from ..gpu.drawn import Drawn, view_matrix
+from ..gpu.shader import ShaderError, Shaders, texture
 from ..gpu.smoke import SHADOW_STRENGTH, Smoke
+from . import sorting
 from .pace import HALF, Pace
 
 PICTURES_KEPT = 8  # a quad view has four
@@ -34,6 +36,7 @@ class Look:
     size: tuple[int, int]  # pixels
     overlay: bool = False  # over Blender's picture, or by ourselves
     solids_shade: bool = False  # whether that picture shows the shadows of solids; else an overlay adds those too
+    sorting: str = sorting.AUTO  # of view/sorting.py
 
     @property
     def output(self) -> str:
@@ -43,8 +46,8 @@ class Look:
         return "smoke_shadow" if self.solids_shade else "all_shadows"
 
     def by_processor(self, frame: Any) -> bool:
-        """Whether the whole picture is: a GPU marches through grids alone, and the surfaces that it marches up to have no
-        alpha of their own."""
+        """Whether the whole picture is, unless what is sorted is drawn: a GPU marches through grids alone, and the surfaces
+        that it marches up to have no alpha of their own."""
         return self.sorts(frame) or not (self.overlay or frame.opaque)
 
     def sorts(self, frame: Any) -> bool:
@@ -101,6 +104,8 @@ class Painter:
         self._shaders = Shaders()
         self._smoke: dict[bool, Smoke] = {}  # the overlay's, and the Rendered view's: their frames differ
         self._views: OrderedDict[Any, _View] = OrderedDict()
+        self._drawn = Drawn()
+        self.sorted_by = ""  # what is seen through, in the last picture that had any
 
     def picture(self, view: Any, frame: Any, look: Look, refined: Any = None) -> Picture:
         """The smoke of `frame`. `view` is any name: the picture is kept under it until something else is asked of it,
@@ -120,25 +125,55 @@ class Painter:
     def _make_picture(self, view: _View, frame: Any, look: Look, refined: Any, spacing: int) -> Picture:
         """With a spacing above 1, at a glance."""
         camera = look.camera()
+        if refined is None and look.sorts(frame):
+            drawn = self._drawn_picture(view, frame, look, spacing)
+            if drawn is not None:
+                return drawn
         if look.by_processor(frame):
             # What is sorted is not for every pixel at once: they follow, refined.
             return _processed(frame, look, max(spacing, HALF) if look.sorts(frame) else spacing, refined)
         if spacing > 1 and self.software:
             return _processed(frame, look, spacing)
-        if refined is not None:
-            traced = refined
-        elif spacing > 1:
-            traced = frame.glance(camera, *look.size, look.output, spacing)
-        else:
-            traced = frame.surfaces(camera, *look.size, output=look.output)
+        traced = _surfaces(frame, look, look.output, spacing) if refined is None else refined
+        target = self._marched(view, frame, look, texture(look.size, "RGBA", traced))
+        return _of_target(frame, look, target, refined is not None)
+
+    def _drawn_picture(self, view: _View, frame: Any, look: Look, spacing: int) -> Picture | None:
+        """With all that is seen through drawn by the GPU before surfaces of the processor's; None where that is not the
+        way."""
+        way = sorting.way_of(look.sorting, frame, self.software)
+        self.sorted_by = way.why
+        if not way.method:
+            return None
+        camera, matrix = look.camera(), np.reshape(look.matrix, (4, 4))
+        fragments = self._drawn.fragments(frame, camera, look.size, look.overlay, way.method)
+        way = sorting.way_for(way, look.sorting, len(fragments), fragments.has_triangles)
+        surfaces = texture(
+            look.size, "RGBA", _surfaces(frame, look, look.output if look.overlay else "opaque", spacing)
+        )
+        axis = -view_matrix(matrix)[2]
+        try:
+            solids = passes.distances(self._shaders, surfaces, camera.corners, axis)
+            picture = self._drawn.composite(frame, fragments, matrix, look.size, way.method, solids)
+            target = self._marched(view, frame, look, surfaces)
+            target.lay_over(self._shaders, picture)
+        except ShaderError as error:
+            self.sorted_by = "the processor: a shader did not compile"
+            log.replace("sorting", [f"What is seen through is sorted by the processor, not drawn: {error}"])
+            return None
+        log.replace("sorting", [])
+        self.sorted_by = way.why
+        return _of_target(frame, look, target, False)
+
+    def _marched(self, view: _View, frame: Any, look: Look, surfaces: Any) -> passes.Target:
+        """The smoke of grids up to surfaces, and these."""
         smoke = self._smoke.get(look.overlay)
         if smoke is None or smoke.frame is not frame:
             self._smoke.pop(look.overlay, None)  # free first: two large volumes may not fit
             smoke = self._smoke[look.overlay] = Smoke(frame)
         target = view.target_for(look)
-        passes.draw_smoke(self._shaders, target, smoke, texture(look.size, "RGBA", traced), camera.corners)
-        transmittance = target.textures[1] if look.overlay else None
-        return Picture(frame, look, refined is not None, target.textures[0], transmittance, target.buffer)
+        passes.draw_smoke(self._shaders, target, smoke, surfaces, look.camera().corners)
+        return target
 
     def composite(
         self, picture: Any, blend: str, gain: float, least_alpha: float, window: tuple[int, int, int, int] | None = None
@@ -150,6 +185,18 @@ class Painter:
     def dim_background(self, picture: Picture, gain: float, background: tuple[float, float, float]) -> None:
         """Multiply the bound target, that of Blender's overlays, by what the smoke leaves of the background."""
         passes.dim_background(self._shaders, picture.radiance, picture.transmittance, gain, background)
+
+
+def _surfaces(frame: Any, look: Look, output: str, spacing: int) -> Any:
+    """For the GPU, at a glance with a spacing above 1."""
+    if spacing > 1:
+        return frame.glance(look.camera(), *look.size, output, spacing)
+    return frame.surfaces(look.camera(), *look.size, output=output)
+
+
+def _of_target(frame: Any, look: Look, target: passes.Target, refined: bool) -> Picture:
+    transmittance = target.textures[1] if look.overlay else None
+    return Picture(frame, look, refined, target.textures[0], transmittance, target.buffer)
 
 
 def _processed(frame: Any, look: Look, spacing: int, refined: Any = None) -> Picture:
@@ -174,6 +221,11 @@ def painter() -> Painter:
     if _painter is None:
         _painter = Painter()
     return _painter
+
+
+def sorted_by() -> str:
+    """How what is seen through was put in order in the last picture that had any."""
+    return "" if _painter is None else _painter.sorted_by
 
 
 def free() -> None:

@@ -27,7 +27,8 @@ def look_of(context: bpy.types.Context, frame: Any, **kind: bool) -> Look:
         view = np.array(region.view_matrix, dtype=np.float64)
         view[:3, 3] += view[:3, :3] @ origin
         matrix = np.array(region.window_matrix, dtype=np.float64) @ view
-    return Look(tuple(matrix.ravel().tolist()), (context.region.width, context.region.height), **kind)
+    size = context.region.width, context.region.height
+    return Look(tuple(matrix.ravel().tolist()), size, sorting=props.of(context.scene).sorting, **kind)
 
 
 def picture_of(context: bpy.types.Context, frame: Any, look: Look) -> Picture:

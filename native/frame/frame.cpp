@@ -41,6 +41,9 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
         view.camera[3 + i] = camera.far[i];
     }
     view.surfaces = content_.surfaces->view();
+    if (wanted.has(Layer::SHEETLESS)) {
+        view.surfaces.sheets = {};
+    }
     view.lights = content_.lighting.views();
     view.media = out.media.views;
     view.seen_media = view.media.first(content_.seen_media);
@@ -85,6 +88,7 @@ void Frame::see_particles(const Camera &camera, int width, int height, Views &vi
         views.puffs = Bins(footprints, views.puff_begins, width, height);
     });
     ParticlesView &view = views.frame.particles;
+    show_particles(view);
     view.bins = views.puffs.view();
     view.begin = views.puff_begins.data();
     for (std::size_t i = 0; i < puffs.seen; ++i) {
@@ -92,11 +96,14 @@ void Frame::see_particles(const Camera &camera, int width, int height, Views &vi
     }
     view.width = static_cast<float>(width);
     view.height = static_cast<float>(height);
-    view.puffs = puffs.puffs.data();
-    view.albedo = puffs.albedo.data();
-    view.bodies = puffs.bodies;
-    view.first_body = content_.media.size();
     views.frame.sorted = true;
+}
+
+void Frame::show_particles(ParticlesView &view) const {
+    view.puffs = content_.puffs->puffs.data();
+    view.albedo = content_.puffs->albedo.data();
+    view.bodies = content_.puffs->bodies;
+    view.first_body = content_.media.size();
 }
 
 std::optional<Image> Frame::image(const Camera &camera, int width, int height, LayerSet wanted, int edge_samples,
@@ -128,9 +135,9 @@ std::optional<Image> Frame::passes(const Camera &camera, int width, int height, 
     return picture;
 }
 
-std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int width, int height, Layer layer,
+std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int width, int height, LayerSet wanted,
                                                   int edge_samples, const Progress &progress) const {
-    std::optional<Image> picture = image(camera, width, height, layer, edge_samples, progress);
+    std::optional<Image> picture = image(camera, width, height, wanted, edge_samples, progress);
     if (!picture) {
         return std::nullopt;
     }

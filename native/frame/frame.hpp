@@ -2,6 +2,7 @@
 // A frame on the CPU: light maps, surfaces, smoke, film. A stage that the scene does not need does not run.
 #pragma once
 
+#include "frame/drawn.hpp"
 #include "frame/picture.hpp"
 #include "frame/prepared.hpp"
 #include "frame/stages.hpp"
@@ -39,8 +40,9 @@ public:
 
     // What a GPU needs of the surfaces: RGB, and the distance to the first surface through the pixel's centre. RGB is
     // one layer of theirs, sampled and filtered as a picture is.
-    [[nodiscard]] std::optional<std::vector<float>> surfaces(const Camera &camera, int width, int height, Layer layer,
-                                                             int edge_samples, const Progress &progress) const;
+    [[nodiscard]] std::optional<std::vector<float>> surfaces(const Camera &camera, int width, int height,
+                                                             LayerSet wanted, int edge_samples,
+                                                             const Progress &progress) const;
 
     // The picture for a camera that moves, of a layer or the PICTURE: frame/glance.hpp. Of a shadow with the smoke, an
     // overlay's two images.
@@ -50,13 +52,19 @@ public:
     // RGB of the share of a light that the smoke lets through to each of `points` (x, y, z in turn).
     void transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const;
 
+    // Whether all that lies before opaque surfaces can be drawn by a GPU, in one batch: none of it takes one colour
+    // more than another, and there are no grids that it would have to be sorted with.
+    [[nodiscard]] bool drawable() const;
+    // What is drawn then, as a camera sees it. Of particles those that it sees, in the shadow of smoke or without that.
+    [[nodiscard]] Sprites sprites(const Camera &camera, bool past_smoke) const;
+    // Strands as strips, and sheets, those cut so that their light varies little over a triangle.
+    [[nodiscard]] Triangles triangles(const Camera &camera, int width, int height) const;
+
     [[nodiscard]] std::span<const CroppedMedium> media() const { return content_.media; }
     [[nodiscard]] std::size_t seen_media() const { return content_.seen_media; } // which come first
     [[nodiscard]] const Lighting &lighting() const { return content_.lighting; }
     // Whether the first surface on each ray has an alpha of 1.
-    [[nodiscard]] bool opaque() const {
-        return !content_.surfaces->sheets() && (content_.surfaces->opaque() || background_alpha_ == 1.0F);
-    }
+    [[nodiscard]] bool opaque() const { return !content_.surfaces->sheets() && covers(); }
     // Whether the camera sees any.
     [[nodiscard]] bool particles() const { return content_.puffs && content_.puffs->seen > 0; }
     [[nodiscard]] bool air() const { return !content_.air.empty(); }
@@ -71,6 +79,9 @@ public:
     [[nodiscard]] std::vector<StageClock::Row> stages() const { return clock_->rows(); }
 
 private:
+    // Whether what lets nothing through has an alpha of 1.
+    [[nodiscard]] bool covers() const { return content_.surfaces->opaque() || background_alpha_ == 1.0F; }
+
     // What the kernels read of a picture, and what that is made of.
     struct Views {
         MediaViews media;
@@ -82,6 +93,8 @@ private:
     // `reach`: as far as a sample sees around itself, pixels.
     [[nodiscard]] Views views(const Camera &camera, int width, int height, LayerSet wanted, double step_length,
                               double reach = Filter().diameter() / 2.0) const;
+    // What does not depend on a picture.
+    void show_particles(ParticlesView &view) const;
     void see_particles(const Camera &camera, int width, int height, Views &views) const;
     void see_strands(const Camera &camera, int width, int height, double reach, Views &views) const;
     [[nodiscard]] std::optional<Image> image(const Camera &camera, int width, int height, LayerSet wanted,

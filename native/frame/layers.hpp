@@ -3,6 +3,7 @@
 // Views own nothing.
 #pragma once
 
+#include "frame/drawn.hpp"
 #include "frame/events.hpp"
 #include "lights/light.hpp"
 #include "media/air.hpp"
@@ -63,7 +64,9 @@ enum class Layer : std::uint16_t {
     MATERIAL_INDEX = 256,
     SMOKE_ALONE = 512,
     LEFT_BY_SMOKE = 1024, // the share of a surface's radiance that smoke leaves it
-    LEFT_BY_ALL = 2048    // the share of the light that it reflects that smoke and solids leave it
+    LEFT_BY_ALL = 2048,   // the share of the light that it reflects that smoke and solids leave it
+    // Of what is asked for of surfaces: as if there were no sheets before them.
+    SHEETLESS = 4096
 };
 
 // What a picture asks for: one layer of the surface, and the smoke or not. With the smoke the two are composited:
@@ -76,7 +79,10 @@ struct LayerSet {
     constexpr LayerSet(Layer layer) // NOLINT(google-explicit-constructor): one layer is a set
         : bits(static_cast<std::uint16_t>(layer)) {}
     [[nodiscard]] constexpr bool has(Layer layer) const { return (bits & static_cast<std::uint16_t>(layer)) != 0; }
-    [[nodiscard]] constexpr bool passes() const { return bits >= static_cast<std::uint16_t>(Layer::POSITION); }
+    [[nodiscard]] constexpr bool passes() const {
+        constexpr int FIRST = static_cast<int>(Layer::POSITION), END = static_cast<int>(Layer::SHEETLESS);
+        return bits % END >= FIRST;
+    }
     [[nodiscard]] constexpr bool shadow() const { return has(Layer::SMOKE_SHADOW) || has(Layer::ALL_SHADOWS); }
     [[nodiscard]] constexpr bool overlay() const { return shadow() && has(Layer::SMOKE); }
     [[nodiscard]] constexpr LayerSet with(Layer layer) const {
@@ -158,6 +164,7 @@ struct FrameKernels {
     void (*march)(const FrameView &, const Packet &, Layers &);
     void (*air)(const FrameView &, const Packet &, Layers &);
     void (*merge)(const FrameView &, const Packet &, Layers &);
+    DrawnKernels drawn;
 };
 
 const FrameKernels &frame_kernels(const InstructionSet &with = instruction_set());

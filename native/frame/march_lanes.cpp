@@ -176,6 +176,10 @@ void trace_particles(const FrameView &frame, const Packet &packet, Layers &out);
 void trace_strands(const FrameView &frame, const Packet &packet, Layers &out);                   // strands_lanes.cpp
 void trace_air(const FrameView &frame, const Packet &packet, Layers &out);                       // air_lanes.cpp
 void merge(const FrameView &frame, const Packet &packet, Layers &out);                           // merge_lanes.cpp
+void light_puffs(const FrameView &frame, std::span<const Puff> puffs, std::span<const glm::vec3> directions,
+                 bool past_smoke, std::span<glm::vec3> out);
+void light_strands(const FrameView &frame, std::span<const StrandSegment> segments, std::span<glm::vec3> out);
+void light_sheets(const FrameView &frame, std::span<const SheetPoint> points, std::span<glm::vec3> out);
 
 void march(const FrameView &frame, const Packet &packet, Layers &out) {
     if (std::ranges::any_of(frame.seen_media, [](const MediumView &medium) { return medium.ramp.rows != nullptr; })) {
@@ -185,6 +189,13 @@ void march(const FrameView &frame, const Packet &packet, Layers &out) {
     }
 }
 
-extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_strands, trace_particles, march, trace_air, merge};
+extern const FrameKernels frame_kernels{trace_surfaces,
+                                        trace_sheets,
+                                        trace_strands,
+                                        trace_particles,
+                                        march,
+                                        trace_air,
+                                        merge,
+                                        {light_puffs, light_strands, light_sheets}};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -80,7 +80,7 @@ void add_to_slices(const Chord &chord, const Puff &puff, const glm::vec3 &extinc
 // depth that scatters it.
 template <int COLOURS>
 void arriving_light(const FrameView &frame, const Puffs::Body &body, std::size_t number, const vec3 &place,
-                    const vec3 &direction, Real (&sum)[3]) {
+                    const vec3 &direction, Real (&sum)[3], bool past_smoke = true) {
     for (const LightView &light : frame.lights) {
         if (!light.reach.smoke || (light.reach.lights & body.visibility.lit_by) == 0 || light.samples.empty()) {
             continue;
@@ -102,7 +102,8 @@ void arriving_light(const FrameView &frame, const Puffs::Body &body, std::size_t
                                              : MediaText().henyey_greenstein(-dot(travel, direction), body.anisotropy));
         for (int c = 0; c < 3; ++c) {
             const Real depth = arriving.optical_depth[COLOURS == 1 ? 0 : c];
-            sum[c] = sum[c] + share * RaysText().transmittance_of(depth) * light.strength[c];
+            const Real left = past_smoke ? RaysText().transmittance_of(depth) : Real(1.0F);
+            sum[c] = sum[c] + share * left * light.strength[c];
         }
     }
 }
@@ -212,7 +213,45 @@ void slice_particles(const FrameView &frame, const Packet &packet, Layers &out) 
     }
 }
 
+// As many as there are lanes, or fewer, of one body.
+template <int COLOURS>
+void light_some(const FrameView &frame, std::span<const Puff> puffs, std::span<const glm::vec3> directions,
+                bool past_smoke, std::span<glm::vec3> out) {
+    alignas(64) float place[3][LANES], direction[3][LANES], rgb[3][LANES];
+    for (std::size_t lane = 0; lane < LANES; ++lane) {
+        const std::size_t from = std::min(lane, puffs.size() - 1);
+        for (int axis = 0; axis < 3; ++axis) {
+            place[axis][lane] = puffs[from].middle[axis];
+            direction[axis][lane] = directions[from][axis];
+        }
+    }
+    const auto loaded = [](const float(&v)[3][LANES]) {
+        return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
+    };
+    const auto number = static_cast<std::size_t>(puffs.front().body);
+    const Puffs::Body &body = frame.particles.bodies[number];
+    Real light[3] = {0.0F, 0.0F, 0.0F};
+    arriving_light<COLOURS>(frame, body, number, loaded(place), loaded(direction), light, past_smoke);
+    for (int c = 0; c < 3; ++c) {
+        light[c].store_aligned(rgb[c]);
+    }
+    for (std::size_t lane = 0; lane < puffs.size(); ++lane) {
+        out[lane] = glm::vec3(rgb[0][lane], rgb[1][lane], rgb[2][lane]) * body.extinction;
+    }
+}
+
 } // namespace
+
+void light_puffs(const FrameView &frame, std::span<const Puff> puffs, std::span<const glm::vec3> directions,
+                 bool past_smoke, std::span<glm::vec3> out) {
+    for (std::size_t first = 0, end = 0; first < puffs.size(); first = end) {
+        while (end < puffs.size() && end - first < LANES && puffs[end].body == puffs[first].body) {
+            ++end;
+        }
+        const auto light = frame.grey ? light_some<1> : light_some<3>;
+        light(frame, puffs.subspan(first, end - first), directions.subspan(first), past_smoke, out.subspan(first));
+    }
+}
 
 void trace_particles(const FrameView &frame, const Packet &packet, Layers &out) {
     frame.grey ? slice_particles<1>(frame, packet, out) : slice_particles<3>(frame, packet, out);

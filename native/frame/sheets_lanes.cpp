@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace sfumato::SFUMATO_ISA {
@@ -199,6 +200,43 @@ void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet,
         over.add(frame, wanted, ray, sheet, light, through);
     }
     over.finish(wanted);
+}
+
+void light_sheets(const FrameView &frame, std::span<const SheetPoint> points, std::span<glm::vec3> out) {
+    Packet packet;
+    std::fill_n(packet.light_u, LANES, 0.5F);
+    std::fill_n(packet.light_v, LANES, 0.5F);
+    for (std::size_t first = 0; first < points.size(); first += LANES) {
+        const auto some = points.subspan(first, std::min(points.size() - first, std::size_t{LANES}));
+        alignas(64) float origin[3][LANES], direction[3][LANES], distance[LANES], sent[3][LANES];
+        Met met;
+        for (std::size_t lane = 0; lane < LANES; ++lane) {
+            const SheetPoint &point = some[std::min(lane, some.size() - 1)];
+            for (int axis = 0; axis < 3; ++axis) {
+                direction[axis][lane] = point.direction[axis];
+                origin[axis][lane] = point.point[axis] - point.direction[axis] * point.distance;
+            }
+            distance[lane] = point.distance;
+            met.hit[lane] = true;
+            met.place[lane] = point.place;
+            met.triangle[lane] = point.triangle;
+            met.u[lane] = point.u;
+            met.v[lane] = point.v;
+        }
+        const auto loaded = [](const float(&v)[3][LANES]) {
+            return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
+        };
+        met.distance = Real::load_aligned(distance);
+        const Ray ray{loaded(origin), loaded(direction), met.distance};
+        const Surface sheet = surface_at(frame.surfaces, met, ray);
+        const Reflected light = reflected(frame, Layer::RADIANCE, packet, ray, sheet);
+        for (int c = 0; c < 3; ++c) {
+            light.shadowed[c].store_aligned(sent[c]);
+        }
+        for (std::size_t lane = 0; lane < some.size(); ++lane) {
+            out[first + lane] = {sent[0][lane], sent[1][lane], sent[2][lane]};
+        }
+    }
 }
 
 } // namespace sfumato::SFUMATO_ISA

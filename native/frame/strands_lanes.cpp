@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
@@ -261,6 +262,22 @@ public:
         (1.0F - samples.left).store_aligned(layers_.fine);
     }
 
+    // Of as many segments as there are lanes, or fewer, the middles, which the packet's rays go through: whole.
+    void run(std::span<const StrandSegment> segments) {
+        waiting_.count = static_cast<int>(segments.size());
+        for (int i = 0; i < waiting_.count; ++i) {
+            const StrandSegment &s = segments[static_cast<std::size_t>(i)];
+            waiting_.lane[i] = i;
+            waiting_.segment[i] = &s;
+            waiting_.cover[i] = 1.0F;
+            waiting_.distance[i] = 0.5F * (s.from_distance + s.to_distance);
+            waiting_.low[i] = -1.0F;
+            waiting_.high[i] = 1.0F;
+            waiting_.along[i] = 0.5F;
+        }
+        shade();
+    }
+
 private:
     void wait(const StrandSegment &segment, const Seen &here, Mask met) {
         alignas(64) float chosen[LANES], cover[LANES], distance[LANES], low[LANES], high[LANES], along[LANES];
@@ -384,6 +401,30 @@ private:
 
 void trace_strands(const FrameView &frame, const Packet &packet, Layers &layers) {
     Strands(frame, packet, layers).run();
+}
+
+void light_strands(const FrameView &frame, std::span<const StrandSegment> segments, std::span<glm::vec3> out) {
+    Events events;
+    Layers layers;
+    layers.events = &events;
+    Packet packet;
+    for (std::size_t first = 0; first < segments.size(); first += LANES) {
+        const auto some = segments.subspan(first, std::min(segments.size() - first, std::size_t{LANES}));
+        for (std::size_t lane = 0; lane < LANES; ++lane) {
+            const StrandSegment &s = some[std::min(lane, some.size() - 1)];
+            // The middle in space is nearer to the far end in the picture.
+            const float share = s.to_depth / (s.from_depth + s.to_depth);
+            packet.u[lane] = (s.from[0] + (s.to[0] - s.from[0]) * share) / frame.strands.width;
+            packet.v[lane] = (s.from[1] + (s.to[1] - s.from[1]) * share) / frame.strands.height;
+            packet.light_u[lane] = packet.light_v[lane] = 0.5F;
+            packet.active[lane] = lane < some.size() ? 1.0F : 0.0F;
+        }
+        events.clear();
+        Strands(frame, packet, layers).run(some);
+        for (std::size_t lane = 0; lane < some.size(); ++lane) {
+            out[first + lane] = events.fragments[lane].front().radiance;
+        }
+    }
 }
 
 } // namespace sfumato::SFUMATO_ISA

@@ -149,13 +149,16 @@ py::object passes(const Frame &frame, const Camera &camera, int width, int heigh
     return out;
 }
 
-Layer layer_of(const std::string &name, const std::string &others) {
+LayerSet layers_of(const std::string &name, const std::string &others) {
     if (name == "smoke_shadow" || name == "all_shadows") {
         return name == "smoke_shadow" ? Layer::SMOKE_SHADOW : Layer::ALL_SHADOWS;
     }
+    if (name == "opaque") {
+        return LayerSet(Layer::RADIANCE).with(Layer::SHEETLESS);
+    }
     if (name != "radiance") {
         throw py::value_error("output is '" + name + "', but must be " + others +
-                              "'radiance', 'smoke_shadow' or 'all_shadows'");
+                              "'radiance', 'opaque', 'smoke_shadow' or 'all_shadows'");
     }
     return Layer::RADIANCE;
 }
@@ -164,16 +167,16 @@ py::object surfaces(const Frame &frame, const Camera &camera, int width, int hei
                     int edge_samples, const PythonProgress &progress) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
-    const Layer layer = layer_of(output, "");
+    const LayerSet wanted = layers_of(output, "");
     return image_of(width, height,
-                    [&] { return frame.surfaces(camera, width, height, layer, edge_samples, reporting(progress)); });
+                    [&] { return frame.surfaces(camera, width, height, wanted, edge_samples, reporting(progress)); });
 }
 
 py::object glance(const Frame &frame, const Camera &camera, int width, int height, const std::string &output,
                   int spacing, std::optional<float> shadow_strength) {
     require_size(width, height);
     require_range(spacing, 1, 64, "spacing");
-    LayerSet wanted = output == "picture" ? PICTURE : layer_of(output, "'picture', ");
+    LayerSet wanted = output == "picture" ? PICTURE : layers_of(output, "'picture', ");
     if (shadow_strength) {
         require_range(*shadow_strength, 0.0F, 1.0F, "shadow_strength");
         if (!wanted.shadow()) {
@@ -190,6 +193,42 @@ py::object glance(const Frame &frame, const Camera &camera, int width, int heigh
         return to_numpy(std::move(values), {2, height, width, 4});
     }
     return to_numpy(std::move(values), {height, width, 4});
+}
+
+py::object from_rows(const std::vector<glm::vec3> &rows, const std::vector<py::ssize_t> &shape) {
+    std::vector<float> values;
+    values.reserve(3 * rows.size());
+    for (const glm::vec3 &row : rows) {
+        values.insert(values.end(), {row.x, row.y, row.z});
+    }
+    return to_numpy(std::move(values), shape);
+}
+
+py::tuple sprites(const Frame &frame, const Camera &camera, bool past_smoke) {
+    Sprites made;
+    {
+        const py::gil_scoped_release unlocked;
+        made = frame.sprites(camera, past_smoke);
+    }
+    const auto count = static_cast<py::ssize_t>(made.radius.size());
+    return py::make_tuple(from_rows(made.points, {count, 3}), to_numpy(std::move(made.radius), {count}),
+                          to_numpy(std::move(made.opacity), {count}), from_rows(made.colour, {count, 3}));
+}
+
+py::tuple triangles(const Frame &frame, const Camera &camera, int width, int height) {
+    require_size(width, height);
+    Triangles made;
+    {
+        const py::gil_scoped_release unlocked;
+        made = frame.triangles(camera, width, height);
+    }
+    const auto count = static_cast<py::ssize_t>(made.opacity.size());
+    std::vector<float> strip;
+    for (const glm::vec2 &corner : made.strip) {
+        strip.insert(strip.end(), {corner.x, corner.y});
+    }
+    return py::make_tuple(from_rows(made.corners, {count, 3, 3}), to_numpy(std::move(made.opacity), {count}),
+                          from_rows(made.colour, {count, 3, 3}), to_numpy(std::move(strip), {count, 3, 2}));
 }
 
 void require_light(const Frame &frame, int light) {
@@ -213,7 +252,7 @@ py::array_t<float> lights_of(const Frame &frame) {
     const auto row = [&values](const glm::vec3 &v, float last) { values.insert(values.end(), {v.x, v.y, v.z, last}); };
     for (const LightView &light : frame.lighting().views()) {
         row(light.direction, light.parallel() ? 1.0F : 0.0F);
-        row(light.position, light.size2);
+        row(light.position, light.parallel() ? light.radius * light.radius : light.size2);
         row(light.strength, static_cast<float>(light.samples.size()));
     }
     return to_numpy(std::move(values), {static_cast<py::ssize_t>(frame.lighting().views().size()), 3, 4});
@@ -335,7 +374,7 @@ filter, "blackman_harris", "gaussian" or "box", and filter_width in pixels are C
              py::arg("output") = "radiance", py::arg("edge_samples") = 1, py::arg("progress") = py::none(),
              R"((height, width, 4) float32: of the first surface what `output` says, and the distance to it through the
 pixel's centre in metres, the far plane's where there is none. "radiance": in the shadow of smoke and solids, but without
-the smoke between it and the eye; "smoke_shadow": the share of the light on it that smoke takes, in [0, 1], of all that
+the smoke between it and the eye; "opaque": the same without transparent meshes before it; "smoke_shadow": the share of the light on it that smoke takes, in [0, 1], of all that
 it would have if it faced every light; "all_shadows": the share that smoke and solids take.
 
 edge_samples and progress are those of render(). With edge_samples of 1 all lights are seen at their middles, and solids
@@ -362,6 +401,34 @@ a surface (1) or the background (0).
 [0.25, 0.5, 1.0, 0.0]
 >>> Frame(scene).glance(Camera(np.eye(4)), 9, 5, "all_shadows", shadow_strength=0.8)[:, 2, 3].tolist()
 [[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 1.0, 0.0]]
+)")
+        .def("sprites", &sprites, py::arg("camera"), py::arg("past_smoke") = true,
+             R"(Of a drawable frame the particles that a camera sees, as Transparency of the add-on draws them: points
+(n, 3); radius (n,); opacity (n,) through the middle; colour (n, 3), the radiance that each sends to the eye at an
+opacity of 1, past solids and, unless past_smoke says otherwise, past all smoke and particles.
+
+>>> import numpy as np
+>>> scene = Scene()
+>>> scene.add_particles([[0, 0, 0]], radius=0.5, opacity=0.75, albedo=(1, 1, 1))
+>>> scene.add_sun((0, 0, -1), (4 * np.pi, 0, 0))
+>>> points, radius, opacity, colour = Frame(scene).sprites(Camera(np.eye(4)), past_smoke=False)
+>>> radius.tolist(), opacity.tolist(), colour.round(3).tolist()
+([0.5], [0.75], [[1.0, 0.0, 0.0]])
+)")
+        .def(
+            "triangles", &triangles, py::arg("camera"), py::arg("width"), py::arg("height"),
+            R"(Of a drawable frame the hair and the transparent meshes that a camera sees, as triangles for a picture of
+width x height pixels: corners (n, 3, 3); opacity (n,); colour (n, 3, 3), the radiance that each corner sends to the eye
+at an opacity of 1; strip (n, 3, 2), of hair how far each corner is from its middle, and half of its width, in pixels,
+else 0. Hair is strips that face the camera, wider than it by what a pixel sees around itself; meshes are cut to pieces
+that are small in the picture, since their light is straight between corners.
+
+>>> import numpy as np
+>>> scene, glass = Scene(), Mesh([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
+>>> scene.add_instances(glass, np.eye(4), albedo=[[0, 0, 0]], transmittance=[[0.25, 0.25, 0.25]])
+>>> corners, opacity, colour, strip = Frame(scene).triangles(Camera(np.eye(4)), 64, 64)
+>>> corners.shape, set(opacity.tolist())
+((576, 3, 3), {0.75})
 )")
         .def("transmittance", &transmittance_at, py::arg("points"), py::arg("light") = 0,
              R"(The share of a light that the smoke lets through to each of points (..., 3): (..., 3), RGB; light is
@@ -400,15 +467,21 @@ sampled at; None where that light cannot meet it. Raises ValueError where there 
 )")
         .def_property_readonly("lights", &lights_of,
                                R"((n, 3, 4) float32: direction and 1 for a sun, else 0; position and
-the square of the light's size, as in falloff() of shaders/lights/light.glsl; strength, and the number of its samples.)")
+the square of the light's size, as in falloff() of shaders/lights/light.glsl, or of the sine of a sun's radius; strength, and the number of its samples.)")
         .def_property_readonly("grey", &Frame::grey, "Whether all smoke takes all colours alike: one march does.")
-        .def_property_readonly("opaque", &Frame::opaque,
-                               "Whether every surface has an alpha of 1: none is held out, or catches shadows.")
+        .def_property_readonly(
+            "opaque", &Frame::opaque,
+            "Whether every surface that lets nothing through has an alpha of 1: none is held out, or "
+            "catches shadows.")
+        .def_property_readonly("drawable", &Frame::drawable,
+                               "Whether what is sorted can be drawn by a GPU, as sprites() and triangles(): none of it "
+                               "takes one colour more than another, there are no grids and no air to sort it with, and no "
+                               "surface behind it is held out or catches shadows.")
         .def_property_readonly("particles", &Frame::particles, "Whether the camera sees any particles.")
         .def_property_readonly("air", &Frame::air, "Whether air fills the world, or a mesh.")
         .def_property_readonly("sorted", &Frame::sorted,
                                "Whether anything else than grids may lie before an opaque surface, such as transparent "
-                               "meshes, or air: pictures of that are the processor's alone.")
+                               "meshes, or air: no march through grids shows that.")
         .def_property_readonly(
             "origin", [](const Frame &frame) { return py::array_t<double>(3, &frame.origin().x); },
             "The scene's, (3,): the place in the world to which cameras and points are relative.")

@@ -30,8 +30,6 @@ class Frame:
         air_texels: int = 1024,
     ) -> None: ...
     @property
-    def air(self) -> bool:
-        """Whether air fills the world, or a mesh."""
     def glance(
         self,
         camera: Camera,
@@ -56,14 +54,15 @@ class Frame:
     @property
     def lights(self) -> NDArray[numpy.float32]:
         """(n, 3, 4) float32: direction and 1 for a sun, else 0; position and the square of the light's size, as in
-        falloff() of shaders/lights/light.glsl; strength, and the number of its samples.
+        falloff() of shaders/lights/light.glsl, or of the sine of a sun's radius; strength, and the number of its
+        samples.
         """
     @property
     def media(self) -> list[Any]:
         """A list of LitMedium, those that hold any smoke and that the camera sees."""
     @property
     def opaque(self) -> bool:
-        """Whether every surface has an alpha of 1: none is held out, or catches shadows."""
+        """Whether every surface that lets nothing through has an alpha of 1: none is held out, or catches shadows."""
     @property
     def origin(self) -> NDArray[numpy.float64]:
         """The scene's, (3,): the place in the world to which cameras and points are relative."""
@@ -106,8 +105,6 @@ class Frame:
         """The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom."""
     @property
     def sorted(self) -> bool:
-        """Whether anything else than grids may lie before an opaque surface, such as transparent meshes, or air:
-        pictures of that are the processor's alone.
         """
     @property
     def stages(self) -> dict:
@@ -130,13 +127,21 @@ class Frame:
     ) -> Any:
         """(height, width, 4) float32: of the first surface what `output` says, and the distance to it through the
         pixel's centre in metres, the far plane's where there is none. "radiance": in the shadow of smoke and
-        solids, but without the smoke between it and the eye; "smoke_shadow": the share of the light on it that
-        smoke takes, in [0, 1], of all that it would have if it faced every light; "all_shadows": the share that
-        smoke and solids take.
+        solids, but without the smoke between it and the eye; "opaque": the same without transparent meshes before
+        it; "smoke_shadow": the share of the light on it that smoke takes, in [0, 1], of all that it would have if
+        it faced every light; "all_shadows": the share that smoke and solids take.
         """
     def transmittance(self, points: ArrayLike, light: int = 0) -> NDArray[numpy.float32]:
         """The share of a light that the smoke lets through to each of points (..., 3): (..., 3), RGB; light is its
         number. Solids are left out. Raises ValueError where there is no such light.
+        """
+    def triangles(self, camera: Camera, width: int, height: int) -> tuple[Any, ...]:
+        """Of a drawable frame the hair and the transparent meshes that a camera sees, as triangles for a picture of
+        width x height pixels: corners (n, 3, 3); opacity (n,); colour (n, 3, 3), the radiance that each corner
+        sends to the eye at an opacity of 1; strip (n, 3, 2), of hair how far each corner is from its middle, and
+        half of its width, in pixels, else 0. Hair is strips that face the camera, wider than it by what a pixel
+        sees around itself; meshes are cut to pieces that are small in the picture, since their light is straight
+        between corners.
         """
 
 class Grid:

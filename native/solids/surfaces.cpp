@@ -301,10 +301,12 @@ Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> ligh
     if (!plain_) {
         catchers_ = places([](const Visibility &v, bool) { return v.seen == Seen::CATCHER; });
     }
-    for (const Instances &mesh : meshes) {
+    for (std::size_t number = 0; number < meshes.size(); ++number) {
+        const Instances &mesh = meshes[number];
         if (!stands(mesh)) {
             continue;
         }
+        const bool sheet = divided.sheet(number) && mesh.visibility.seen == Seen::SHOWN;
         const auto first_material = static_cast<std::int32_t>(properties_.size() / material_row::FLOATS);
         append_rows(mesh.materials, solids, properties_);
         for (const glm::vec3 &left : mesh.materials.transmittance) {
@@ -312,6 +314,10 @@ Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> ligh
         }
         tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
         for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
+            if (sheet) {
+                sheet_places_.push_back({mesh.shape, mesh.to_world[i], static_cast<std::uint32_t>(views_.size()),
+                                         static_cast<std::uint32_t>(first_material)});
+            }
             views_.push_back(view_of(*mesh.shape, mesh.to_world[i], first_material));
             views_.back().object_index = i < mesh.index.size() ? static_cast<float>(mesh.index[i]) : 0.0F;
             views_.back().visibility = mesh.visibility;

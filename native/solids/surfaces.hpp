@@ -8,6 +8,7 @@
 #include "solids/sheets.hpp"
 #include "solids/surface_view.hpp"
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
 namespace sfumato {
@@ -87,6 +89,13 @@ RayScene view_of(const std::shared_ptr<const Places> &places);
 // nothing is left out these are one. What lets light through stands apart.
 class Surfaces {
 public:
+    // A place of a shape that lets light through, which the camera sees: its number, and that of its first material.
+    struct Sheet {
+        std::shared_ptr<const Shape> shape;
+        glm::mat4 to_world;
+        std::uint32_t place, first_material;
+    };
+
     Surfaces(std::span<const Instances> meshes, std::span<const Light> lights, Solids &solids);
 
     [[nodiscard]] SurfaceView view() const;
@@ -95,6 +104,7 @@ public:
     [[nodiscard]] bool sheets() const { return sheets_ != nullptr; }
     // Of all that stands there; none where nothing does.
     [[nodiscard]] std::optional<Box> bounds() const;
+    [[nodiscard]] std::span<const Sheet> sheet_places() const { return sheet_places_; }
     // Of each material in turn the three colours, where any dims a light; and whether all of these are grey.
     [[nodiscard]] std::span<const float> transmittances() const { return transmittances_; }
     [[nodiscard]] bool dims_greyly() const;
@@ -106,7 +116,8 @@ private:
     std::shared_ptr<const Places> all_, seen_, sheets_, catchers_;
     std::map<LightSets, std::shared_ptr<const Places>> hiding_, dimming_; // by Reach::hidden_by
     bool plain_ = true, opaque_ = true;
-    std::vector<PlaceView> views_;  // of each place
+    std::vector<PlaceView> views_; // of each place
+    std::vector<Sheet> sheet_places_;
     std::vector<float> properties_; // of materials
     std::vector<float> transmittances_;
     bool tangents_ = false;

@@ -2,7 +2,8 @@
 // The fragment that is drawn here; what is nothing is discarded.
 //
 // A sprite is a puff (puff.glsl). Among triangles it is cut into slices, each of which stands in its own middle: a triangle
-// that passes through it meets them one by one.
+// that passes through it meets them one by one. Hair covers the share of a pixel's surroundings that it does in the
+// pictures of the processor (native/frame/strands_lanes.cpp).
 //
 // Variants:
 //   SOLIDS  texture `solids` has the distance along the view of what is opaque, which cuts what stands in it
@@ -14,6 +15,13 @@ struct Fragment {
   float alpha;
   vec3 colour;
 };
+
+// Of what a pixel sees within STRIP_REACH pixels.
+float cover_of_strip()
+{
+  vec2 edges = clamp(0.5f + (spot.x + vec2(-spot.y, spot.y)) * (0.5f / STRIP_REACH), 0.0f, 1.0f);
+  return filter_share(edges.y) - filter_share(edges.x);
+}
 
 Fragment fragment_here()
 {
@@ -35,16 +43,19 @@ Fragment fragment_here()
   }
 #endif
   Fragment here;
-  here.tau = matter.w;
+  here.tau = slice.w;
   if (sprite) {
     here.tau *= puff_column(inside) * (puff_before(end) - puff_before(slice.y));
+  }
+  else if (spot.y > 0.0f) {
+    here.tau = optical_depth_of((1.0f - transmittance_of(here.tau)) * cover_of_strip());
   }
   if (here.tau <= 0.0f) {
     discard;
   }
   here.z = fragment_depth((distance_here - view.depths.x) * view.depths.y);
   here.alpha = 1.0f - transmittance_of(here.tau);
-  here.colour = matter.xyz;
+  here.colour = sent;
 #ifdef LIT
   here.colour *= light_in_map();
 #endif

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Soft sprites, which face the camera, and triangles: both in one batch.
 //
-// Attributes: place, in the world, and the radius, or 0 for a triangle's corner; shape, a sprite's corner in [-1, 1]^2, the
-// opacity through its middle, or that of the triangle, and the slice of the sprite, where it is cut into SLICES; tint,
-// its radiance times opacity one.
+// Attributes: place, in the world, and the radius, or 0 for a triangle's corner; shape, a sprite's corner in [-1, 1]^2, or
+// of hair Triangles.strip, the opacity through its middle, or that of the triangle, and the slice of the sprite, where it
+// is cut into SLICES; tint, its radiance at an opacity of 1.
 
 void main()
 {
@@ -11,8 +11,9 @@ void main()
   seen.xy += place.w * shape.xy;
   gl_Position = view.projection * seen;
   spot = vec3(shape.xy, -seen.z);
-  matter = vec4(tint, optical_depth_of(shape.z));
-  slice = vec3(place.w, 2.0f * shape.w / float(SLICES) - 1.0f, 2.0f * (shape.w + 1.0f) / float(SLICES) - 1.0f);
+  sent = tint;
+  slice = vec4(place.w, 2.0f * shape.w / float(SLICES) - 1.0f, 2.0f * (shape.w + 1.0f) / float(SLICES) - 1.0f,
+               optical_depth_of(shape.z));
 #ifdef LIT
   // The rows of a rotation are its inverse's columns.
   mat3 to_world = transpose(mat3(view.from_world));

@@ -149,6 +149,19 @@ def test_an_opaque_giant() -> None:
     assert np.allclose(0.5 * read, 20.0 * np.log(2.0), rtol=1e-3), read
 
 
+def test_a_softened_map_is_what_the_module_filters() -> None:
+    world_to_map = sun_map((4.0, 3.0, 5.0))
+    particles, maps = some_particles(600, world_to_map), LightMaps()
+    for count, reach in ((1, 3), (7, 0), (7, 5), (15, 16)):
+        light_map = maps.splat(*particles, world_to_map, SIZE, count)
+        softened = maps.read(maps.soften(light_map, count, reach), count)
+        expected = sfumato.filter_map(maps.read(light_map, count), 2 * reach + 1)
+        error = np.abs(softened - expected).max() / expected[..., 0].max()
+        print(f"  {count} coefficients, {2 * reach + 1} texels: {error:.1e} of the largest a0")
+        assert error <= 1e-5
+    refused("reach is -1", maps.soften, light_map, 15, -1)
+
+
 def in_grid(density: np.ndarray, cell: np.ndarray) -> np.ndarray:
     """The density, (z, y, x), at points (..., 3) in cells, interpolated between cell centres; its rim is empty."""
     size = np.array(density.shape[::-1])
