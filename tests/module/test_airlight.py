@@ -38,10 +38,11 @@ def test_what_is_no_air_or_lamp_is_refused(changed: dict[str, Any], message: str
 
 def test_what_is_no_plate_is_refused() -> None:
     plate: dict[str, Any] = {"across": (1, 0, 0), "up": (0, 1, 0), **DUST}
-    for changed, message in (
+    cases: tuple[tuple[dict[str, Any], str], ...] = (
         ({"up": (2, 0, 0)}, "up has no part at right angles to across: the plate has no area"),
         ({"spread": 0.0}, "spread is 0, but must lie between 0.001 and"),
-    ):
+    )
+    for changed, message in cases:
         with pytest.raises(ValueError, match=f"^{message}"):
             sfumato.airlight_of_plate([0, 0, 1], [1, 0, 1], **{**plate, **changed})
 

@@ -4,26 +4,13 @@ GLSL: nothing draws with it yet."""
 
 from __future__ import annotations
 
-from typing import Any
-from unittest import mock
-
 import harness
 import numpy as np
 import sfumato
-from area_light_text import Picture
-from sfumato.gpu import shader as gpu_shader
+from evaluated_text import SIZE, evaluated
 
-SIZE = 32  # pixels along the picture
+FILES = ("media/preintegration.glsl",)
 RANDOM = np.random.default_rng(5)
-
-MAIN = """
-void main()
-{
-  ivec3 place = ivec3(gl_FragCoord.xy, 0);
-  vec4 n0 = texelFetch(numbers, place, 0), n1 = texelFetch(numbers, place + ivec3(0, 0, 1), 0);
-  STATEMENT
-}
-"""
 
 STRETCH = """
   Stretch stretch;
@@ -50,33 +37,11 @@ CUBIC = """
 """
 
 
-def evaluated(statement: str, numbers: np.ndarray) -> np.ndarray:
-    """(SIZE, SIZE, 4) of numbers (SIZE, SIZE, 8)."""
-    original = gpu_shader.shader_text
-
-    def text(file: str) -> str:
-        return MAIN.replace("STATEMENT", statement) if file == "main" else original(file)
-
-    def declare(info: Any) -> None:
-        info.sampler(0, "FLOAT_2D_ARRAY", "numbers")
-        info.fragment_out(0, "VEC4", "colour")
-
-    with mock.patch.object(gpu_shader, "shader_text", text):
-        shader = gpu_shader.compile_shader("ramps", declare, ["media/preintegration.glsl", "main"])
-    layers = numbers.reshape(SIZE, SIZE, 2, 4).transpose(2, 0, 1, 3)
-    texture, picture = gpu_shader.texture((SIZE, SIZE), "RGBA", layers, layers=2), Picture(SIZE, SIZE)
-    with gpu_shader.plain_state(), picture.buffer.bind():
-        shader.bind()
-        shader.uniform_sampler("numbers", texture)
-        gpu_shader.Shaders().draw_screen(shader)
-    return picture.read()
-
-
 def test_a_stretch_sends_what_it_does_on_the_cpu() -> None:
     """Depths from 1e-4 to 50, and emission of its own."""
     numbers = RANDOM.random((SIZE, SIZE, 8)).astype(np.float32)
     numbers *= np.float32(10.0) ** RANDOM.uniform(-4.0, 1.7, (SIZE, SIZE, 1)).astype(np.float32)
-    found = evaluated(STRETCH, numbers).reshape(-1, 4)
+    found = evaluated(FILES, STRETCH, numbers).reshape(-1, 4)
     for one, own in zip(numbers.reshape(-1, 8).astype(float), found):
         transfer = sfumato.TransferFunction([0, 1], one[:2], [one[2:5], one[5:8]])
         wanted = transfer.segment(0.0, 1.0)
@@ -85,7 +50,7 @@ def test_a_stretch_sends_what_it_does_on_the_cpu() -> None:
 
 def test_a_cubic_turns_and_is_met_where_it_is_on_the_cpu() -> None:
     numbers = RANDOM.random((SIZE, SIZE, 8)).astype(np.float32)
-    first, second, met, off = np.moveaxis(evaluated(CUBIC, numbers).astype(float), -1, 0)
+    first, second, met, off = np.moveaxis(evaluated(FILES, CUBIC, numbers).astype(float), -1, 0)
     assert np.abs(off).max() < 1e-5
     assert ((met >= 0.0) & (met <= first)).all()
     cubics = np.linalg.solve(np.vander([0.0, 1 / 3, 2 / 3, 1.0]), numbers[..., :4].reshape(-1, 4).T.astype(float)).T
