@@ -449,10 +449,10 @@ Stretch met(const Events &events, Real end, int colours) {
             take(first, first + events.slices.width[lane] * static_cast<float>(events.slices.count));
         }
         if (events.knots.count > 0) {
-            const auto row = static_cast<std::size_t>(4 + colours) * MAX_LANES;
-            const float first = events.knots.values[lane];
-            const float last = events.knots.values[(static_cast<std::size_t>(events.knots.count) - 1) * row + lane];
-            take(first - events.knots.step[lane], last);
+            const auto row = static_cast<std::size_t>(Knots::rows(colours)) * MAX_LANES;
+            const float *const first = events.knots.values.data() + lane;
+            const float *const last = first + (static_cast<std::size_t>(events.knots.count) - 1) * row;
+            take(first[0] - first[static_cast<std::size_t>(4 + colours) * MAX_LANES], last[0]);
         }
     }
     const Real first = Real::load_aligned(from), last = Real::load_aligned(to);

@@ -111,7 +111,7 @@ struct Asked {
     [[nodiscard]] Arriving light_along(int m, const Cell &place, const vec3 &world, int i) const {
         Arriving out = light_at(m, place, i);
         if (splits(m) && xsimd::any(out.share > 0.0F)) {
-            const auto found = arriving({&light(i), frame->extinctions, m, COLOURS == 1}, world);
+            const auto found = arriving({&light(i), frame->extinctions, m, COLOURS == 1, frame->world_air}, world);
             if constexpr (COLOURS == 1) {
                 out.depth = found.optical_depth[0];
             } else {

@@ -50,7 +50,8 @@ public:
         const Real past = pick(value(0, knot_) <= t, 1.0F, 0.0F);
         const Real number = xsimd::to_float(knot_) + past;
         const auto last = static_cast<float>(knots_.count - 1);
-        const Real ends = value(0, truncate(min(number, last))), begins = ends - step_;
+        const Index knot = truncate(min(number, last));
+        const Real ends = value(0, knot), begins = ends - value(4 + COLOURS, knot);
         // Rays that meet nothing have steps of no length.
         return pick((number > last) | (ends <= t), ENDLESS, pick(t < begins, begins, ends));
     }
