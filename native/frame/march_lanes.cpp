@@ -158,6 +158,7 @@ void march(const FrameView &frame, const Packet &packet, Layers &out) {
     frame.grey ? march_in<1>(frame, packet, out) : march_in<3>(frame, packet, out);
 }
 
-extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_strands, trace_particles, march, trace_air, merge};
+extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_strands, trace_particles,
+                                        march,          trace_air,    merge};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -89,7 +89,9 @@ def test_even_air_in_a_sun_is_one_exponential() -> None:
     scene.set_background((0.5, 0.25, 0.125))
     scene.set_air(rayleigh, mie, absorption, emission=(0.02, 0.01, 0.0), anisotropy=0.6)
     cosine, g = 0.8 * -1.0, 0.6  # light goes down and on to the eye, which is above
-    phases = rayleigh * 3 / (16 * np.pi) * (1 + cosine**2) + mie * HG * (1 - g * g) / (1 + g * g - 2 * g * cosine) ** 1.5
+    phases = (
+        rayleigh * 3 / (16 * np.pi) * (1 + cosine**2) + mie * HG * (1 - g * g) / (1 + g * g - 2 * g * cosine) ** 1.5
+    )
     beta, length = rayleigh + mie + absorption, 20.0
     sent = (phases * (3, 2, 1) + (0.02, 0.01, 0.0)) / beta * (1 - np.exp(-beta * length))
     wanted = sent + np.array((0.5, 0.25, 0.125)) * np.exp(-beta * length)
