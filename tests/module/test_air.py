@@ -174,6 +174,19 @@ def test_smoke_shades_air_and_air_dims_smoke(lamp: str, eye: Any) -> None:
     assert error(found, judged(scene, camera, 0.1, (8, 8), sun_samples_per_axis=1)) < 0.01
 
 
+def test_a_sheet_stands_in_the_air() -> None:
+    """Half way, it leaves half of what is behind; while the camera moves, too."""
+    scene = Scene()
+    scene.add_instances(QUAD, place(), [[0, 0, 0]], transmittance=[[0.5, 0.25, 1.0]])
+    scene.set_air(absorption=(0.1, 0.2, 0.05), emission=(1, 2, 3))
+    beta = np.array((0.1, 0.2, 0.05))
+    near = np.array((1, 2, 3)) / beta * (1 - np.exp(-10 * beta))
+    wanted = near * (1 + np.array((0.5, 0.25, 1.0)) * np.exp(-10 * beta))
+    frame = Frame(scene)
+    for found in (frame.render(down(), *SIZE, edge_samples=1), frame.glance(down(), *SIZE, spacing=2)):
+        np.testing.assert_allclose(np.asarray(found)[..., :3], np.broadcast_to(wanted, (*SIZE, 3)), rtol=1e-4)
+
+
 def test_air_between_a_lamp_and_a_floor_dims_it() -> None:
     scene = Scene()
     scene.add_point((0, 0, 2), (10, 10, 10))
