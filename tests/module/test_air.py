@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -125,7 +126,7 @@ def test_a_wall_with_a_window_leaves_a_shaft() -> None:
     np.testing.assert_allclose(found, np.broadcast_to(wanted, found.shape), rtol=4e-3)
 
 
-LAMPS = {
+LAMPS: dict[str, Callable[[Scene], None]] = {
     "point": lambda scene: scene.add_point((0.5, 0.3, 1.0), (10, 8, 6)),
     "sphere": lambda scene: scene.add_point((0.5, 0.3, 1.0), (10, 8, 6), radius=0.1),
     "spot": lambda scene: scene.add_point((0, 0, 2.0), (30, 20, 10), direction=(0.2, 0, -1), cone=0.7, blend=0.3),
@@ -220,4 +221,4 @@ def test_the_eye_may_be_in_a_lamp(radius: float) -> None:
 )
 def test_what_is_no_air_is_refused(wrong: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        Scene().set_air(**{"mie": (1, 1, 1), **wrong})
+        Scene().set_air(**dict[str, Any](wrong))
