@@ -19,6 +19,11 @@ inline vec3 normalised(const vec3 &v) {
     return v * (1.0F / sqrt(dot(v, v)));
 }
 
+// Whether what is seen of it is the surface of a ball.
+inline bool is_ball(const LightView &light) {
+    return light.kind == LightKind::SPHERE && light.facing2 == 0.0F && light.radius > 0.0F;
+}
+
 // What the smoke takes for the light at a point: it falls off from the light's middle, and all else that happens to it
 // is in the light volume.
 inline Real falloff_of(const LightView &light, const vec3 &from_light) {

@@ -2,7 +2,7 @@
 // The world's air on straight ways, in all lanes: of what is at its ground so much, metres.
 #pragma once
 
-#include "lights/light.hpp"
+#include "lights/lights_lanes.hpp"
 #include "media/air.hpp"
 #include "text/air_text.hpp"
 #include "text/lanes.hpp"
@@ -30,8 +30,7 @@ inline Real column_to(const AirView &air, const LightView &light, const glm::vec
     const vec3 way = broadcast(sample) - place;
     const Real length = sqrt(max(dot(way, way), 1e-30F));
     // Of a ball, what is seen is its surface.
-    const bool ball = light.kind == LightKind::SPHERE && light.facing2 == 0.0F && light.radius > 0.0F;
-    const Real until = ball ? max(AirText().way_to_sphere(length, light.radius), 0.0F) : length;
+    const Real until = is_ball(light) ? max(AirText().way_to_sphere(length, light.radius), 0.0F) : length;
     return column_on(air, place, way * (1.0F / length), until);
 }
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,9 @@ def test_even_air_in_a_sun_is_one_exponential() -> None:
     scene.set_background((0.5, 0.25, 0.125))
     scene.set_air(rayleigh, mie, absorption, emission=(0.02, 0.01, 0.0), anisotropy=0.6)
     cosine, g = 0.8 * -1.0, 0.6  # light goes down and on to the eye, which is above
-    phases = rayleigh * 3 / (16 * np.pi) * (1 + cosine**2) + mie * HG * (1 - g * g) / (1 + g * g - 2 * g * cosine) ** 1.5
+    phases = (
+        rayleigh * 3 / (16 * np.pi) * (1 + cosine**2) + mie * HG * (1 - g * g) / (1 + g * g - 2 * g * cosine) ** 1.5
+    )
     beta, length = rayleigh + mie + absorption, 20.0
     sent = (phases * (3, 2, 1) + (0.02, 0.01, 0.0)) / beta * (1 - np.exp(-beta * length))
     wanted = sent + np.array((0.5, 0.25, 0.125)) * np.exp(-beta * length)
@@ -123,7 +126,7 @@ def test_a_wall_with_a_window_leaves_a_shaft() -> None:
     np.testing.assert_allclose(found, np.broadcast_to(wanted, found.shape), rtol=4e-3)
 
 
-LAMPS = {
+LAMPS: dict[str, Callable[[Scene], None]] = {
     "point": lambda scene: scene.add_point((0.5, 0.3, 1.0), (10, 8, 6)),
     "sphere": lambda scene: scene.add_point((0.5, 0.3, 1.0), (10, 8, 6), radius=0.1),
     "spot": lambda scene: scene.add_point((0, 0, 2.0), (30, 20, 10), direction=(0.2, 0, -1), cone=0.7, blend=0.3),
@@ -172,6 +175,19 @@ def test_smoke_shades_air_and_air_dims_smoke(lamp: str, eye: Any) -> None:
     assert error(found, judged(scene, camera, 0.1, (8, 8), sun_samples_per_axis=1)) < 0.01
 
 
+def test_a_sheet_stands_in_the_air() -> None:
+    """Half way, it leaves half of what is behind; while the camera moves, too."""
+    scene = Scene()
+    scene.add_instances(QUAD, place(), [[0, 0, 0]], transmittance=[[0.5, 0.25, 1.0]])
+    scene.set_air(absorption=(0.1, 0.2, 0.05), emission=(1, 2, 3))
+    beta = np.array((0.1, 0.2, 0.05))
+    near = np.array((1, 2, 3)) / beta * (1 - np.exp(-10 * beta))
+    wanted = near * (1 + np.array((0.5, 0.25, 1.0)) * np.exp(-10 * beta))
+    frame = Frame(scene)
+    for found in (frame.render(down(), *SIZE, edge_samples=1), frame.glance(down(), *SIZE, spacing=2)):
+        np.testing.assert_allclose(np.asarray(found)[..., :3], np.broadcast_to(wanted, (*SIZE, 3)), rtol=1e-4)
+
+
 def test_air_between_a_lamp_and_a_floor_dims_it() -> None:
     scene = Scene()
     scene.add_point((0, 0, 2), (10, 10, 10))
@@ -205,4 +221,4 @@ def test_the_eye_may_be_in_a_lamp(radius: float) -> None:
 )
 def test_what_is_no_air_is_refused(wrong: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        Scene().set_air(**{"mie": (1, 1, 1), **wrong})
+        Scene().set_air(**dict[str, Any](wrong))
