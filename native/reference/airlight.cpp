@@ -134,7 +134,8 @@ double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, 
             cuts.push_back(at);
         }
     };
-    for (double step = 1e-4 * std::max(distance, 1e-9 * length); step < length; step *= 2.0) {
+    for (int doubling = 0; doubling < 50; ++doubling) {
+        const double step = std::ldexp(1e-4 * std::max(distance, 1e-9 * length), doubling);
         cut(foot - step);
         cut(foot + step);
         cut(step);
@@ -202,7 +203,8 @@ double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate
     const double foot = glm::dot(plate.position - from, direction);
     const double distance = glm::distance(plate.position, from + foot * direction);
     cut(foot);
-    for (double step = 0.1 * distance; step < length; step *= 2.0) {
+    for (int doubling = 0; doubling < 30; ++doubling) {
+        const double step = std::ldexp(0.1 * distance, doubling);
         cut(foot - step);
         cut(foot + step);
     }
