@@ -84,7 +84,7 @@ ScatteringAir air_of(double extinction, double anisotropy, const std::string &ph
     return air;
 }
 
-reference::Air judged(const ScatteringAir &air) {
+reference::GreyAir judged(const ScatteringAir &air) {
     return {double{air.extinction},
             double{air.anisotropy},
             air.phase == PhaseFunction::RAYLEIGH,
@@ -126,7 +126,7 @@ py::array_t<double> judged_lamp_light(const py::object &start, const py::object 
                                       double cone, double blend) {
     const Ways ways(start, end);
     const AirLamp lamp = lamp_of(position, radius, direction, cone, blend);
-    const reference::Air air = judged(air_of(extinction, anisotropy, phase, scale_height, ground));
+    const reference::GreyAir air = judged(air_of(extinction, anisotropy, phase, scale_height, ground));
     const reference::Lamp same{lamp.position, lamp.radius, lamp.axis, lamp.cone_cosine, double{lamp.blend}};
     return ways.each<double>(
         [&](const glm::dvec3 &from, const glm::dvec3 &to) { return reference::airlight(from, to, same, air); });
@@ -161,7 +161,7 @@ py::array_t<double> judged_plate_light(const py::object &start, const py::object
     const Ways ways(start, end);
     const AirPlate plate = plate_of(position, across, up, spread);
     const reference::Plate same{plate.position, plate.across, plate.up, plate.spread};
-    const reference::Air air = judged(air_of(extinction, anisotropy, phase, scale_height, ground));
+    const reference::GreyAir air = judged(air_of(extinction, anisotropy, phase, scale_height, ground));
     return ways.each<double>(
         [&](const glm::dvec3 &from, const glm::dvec3 &to) { return reference::airlight(from, to, same, air); });
 }
@@ -181,7 +181,7 @@ py::array_t<double> judged_sun_light(const py::object &start, const py::object &
                                      double scale_height, double ground) {
     const Ways ways(start, end);
     const glm::dvec3 towards = -direction_of(direction, "direction");
-    const reference::Air air = judged(air_of(extinction, anisotropy, phase, scale_height, ground));
+    const reference::GreyAir air = judged(air_of(extinction, anisotropy, phase, scale_height, ground));
     return ways.each<double>(
         [&](const glm::dvec3 &from, const glm::dvec3 &to) { return reference::sunlight(from, to, towards, air); });
 }

@@ -38,7 +38,7 @@ double refined(const std::function<double(double)> &of, double from, double to, 
     return refined(of, from, middle, low, allowed, deepest - 1) + refined(of, middle, to, high, allowed, deepest - 1);
 }
 
-double density(const Air &air, double z) {
+double density(const GreyAir &air, double z) {
     return air.scale_height > 0.0 ? std::exp(-(z - air.ground) / air.scale_height) : 1.0;
 }
 
@@ -66,7 +66,7 @@ std::vector<double> on_cone(const glm::dvec3 &from, const glm::dvec3 &direction,
 
 // Irradiance on whatever faces the light there, times phase function, times what is left on the way there. `back` is
 // the direction from the place to the eye.
-double scattered_at(const glm::dvec3 &place, const glm::dvec3 &back, const Lamp &lamp, const Air &air) {
+double scattered_at(const glm::dvec3 &place, const glm::dvec3 &back, const Lamp &lamp, const GreyAir &air) {
     const glm::dvec3 way = place - lamp.position;
     const double r = glm::length(way);
     if (r <= lamp.radius) {
@@ -105,7 +105,7 @@ double integral(const std::function<double(double)> &of, double from, double to,
     return refined(of, from, to, known, error * std::max(std::abs(known), floor) + 1e-300, 40);
 }
 
-double phase(const Air &air, double cos_theta) {
+double phase(const GreyAir &air, double cos_theta) {
     const double g = air.anisotropy, rayleigh = 3.0 / (16.0 * PI) * (1.0 + cos_theta * cos_theta);
     if (air.rayleigh) {
         return rayleigh;
@@ -114,7 +114,7 @@ double phase(const Air &air, double cos_theta) {
     return part * henyey_greenstein(cos_theta, g);
 }
 
-double column(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to) {
+double column(const GreyAir &air, const glm::dvec3 &from, const glm::dvec3 &to) {
     const double length = glm::distance(from, to);
     if (!(air.scale_height > 0.0)) {
         return length;
@@ -122,7 +122,7 @@ double column(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to) {
     return length * integral([&](double t) { return density(air, glm::mix(from.z, to.z, t)); }, 0.0, 1.0);
 }
 
-double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, const Air &air) {
+double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, const GreyAir &air) {
     const double length = glm::distance(from, to);
     const glm::dvec3 direction = (to - from) / length;
     const double foot = glm::dot(lamp.position - from, direction);
@@ -134,7 +134,8 @@ double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, 
             cuts.push_back(at);
         }
     };
-    for (double step = 1e-4 * std::max(distance, 1e-9 * length); step < length; step *= 2.0) {
+    for (int doubling = 0; doubling < 50; ++doubling) {
+        const double step = std::ldexp(1e-4 * std::max(distance, 1e-9 * length), doubling);
         cut(foot - step);
         cut(foot + step);
         cut(step);
@@ -168,7 +169,7 @@ double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, 
     return sum;
 }
 
-double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate, const Air &air) {
+double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate, const GreyAir &air) {
     const double length = glm::distance(from, to);
     const glm::dvec3 direction = (to - from) / length, area = 4.0 * glm::cross(plate.across, plate.up);
     const glm::dvec3 axis = glm::normalize(area);
@@ -202,7 +203,8 @@ double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate
     const double foot = glm::dot(plate.position - from, direction);
     const double distance = glm::distance(plate.position, from + foot * direction);
     cut(foot);
-    for (double step = 0.1 * distance; step < length; step *= 2.0) {
+    for (int doubling = 0; doubling < 30; ++doubling) {
+        const double step = std::ldexp(0.1 * distance, doubling);
         cut(foot - step);
         cut(foot + step);
     }
@@ -217,7 +219,7 @@ double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate
     return sum * 0.25 * glm::length(area);
 }
 
-double sunlight(const glm::dvec3 &from, const glm::dvec3 &to, const glm::dvec3 &towards, const Air &air) {
+double sunlight(const glm::dvec3 &from, const glm::dvec3 &to, const glm::dvec3 &towards, const GreyAir &air) {
     const double length = glm::distance(from, to);
     const glm::dvec3 direction = (to - from) / length;
     // As far as 60 scale heights up; below the horizon no sun shines.

@@ -14,7 +14,7 @@ namespace sfumato::reference {
 double integral(const std::function<double(double)> &of, double from, double to, double error = 1e-10,
                 double floor = 0.0);
 
-struct Air {
+struct GreyAir {
     double extinction = 0.0; // per metre, at the height `ground`
     double anisotropy = 0.0;
     bool rayleigh = false, cornette_shanks = false; // else Henyey and Greenstein's phase function
@@ -29,15 +29,15 @@ struct Lamp {
     double blend = 0.0;
 };
 
-double phase(const Air &air, double cos_theta);
+double phase(const GreyAir &air, double cos_theta);
 
 // Metres of air of density 1 between two places.
-double column(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to);
+double column(const GreyAir &air, const glm::dvec3 &from, const glm::dvec3 &to);
 
 // What reaches `from` of a lamp of intensity 1, scattered once on the way to `to` by air that scatters 1 per metre
 // where its density is 1. A lamp with a radius is a sphere of even radiance, of which each place sees a cap; places in
 // it have from everywhere what its surface has.
-double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, const Air &air);
+double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Lamp &lamp, const GreyAir &air);
 
 // A rectangle of radiance 1 along the cross product of its half axes, which a grid narrows to an angle `spread`: in a
 // direction at an angle a to that, 1 - tan(a) / tan(spread / 2) of it is left.
@@ -48,9 +48,9 @@ struct Plate {
 };
 
 // Likewise, by quadrature over the plate at each place; within 1e-4.
-double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate, const Air &air);
+double airlight(const glm::dvec3 &from, const glm::dvec3 &to, const Plate &plate, const GreyAir &air);
 
 // Of a sun of irradiance 1 in the unit direction `towards`, which air that is not even dims.
-double sunlight(const glm::dvec3 &from, const glm::dvec3 &to, const glm::dvec3 &towards, const Air &air);
+double sunlight(const glm::dvec3 &from, const glm::dvec3 &to, const glm::dvec3 &towards, const GreyAir &air);
 
 } // namespace sfumato::reference

@@ -42,6 +42,13 @@ class AreaLightRow(Row):
     p95_relative: float  # 95th percentile of the relative error where L > .01
 
 
+class AirlightRow(Row):
+    """One way to a lamp's light in air: `seconds` a ray, of NumPy for the rivals; relative errors."""
+
+    p95: float  # 95th percentile
+    max_error: float
+
+
 class LightRow(Row):
     """One render of the plume in one light. All three errors are relative RMSE over the picture."""
 
@@ -96,13 +103,6 @@ class RampRow(Row):
 
     step: float | None  # voxels
     samples: float | None  # of the smoke, a voxel
-
-
-class AirlightRow(Row):
-    """One way to a lamp's light in air: `seconds` a ray, of NumPy for the rivals; relative errors."""
-
-    p95: float  # 95th percentile
-    max_error: float
 
 
 class ShaftRow(Row):

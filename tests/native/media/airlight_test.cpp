@@ -17,7 +17,7 @@ namespace {
 
 constexpr double PI = std::numbers::pi;
 
-reference::Air judged(const ScatteringAir &air) {
+reference::GreyAir judged(const ScatteringAir &air) {
     return {double{air.extinction},
             double{air.anisotropy},
             air.phase == PhaseFunction::RAYLEIGH,
