@@ -409,7 +409,7 @@ def shaders_of_smoke() -> dict[str, tuple[int, Shading]]:
     }  # fmt: skip
     if WHOLE:
         found["two anisotropies"] = 2, lambda t: out(node(
-            t, "AddShader", scatter(t, (0.9, 0.6, 0.3, 1.0), 2.0, -0.6), scatter(t, (0.3, 0.6, 0.9, 1.0), 3.0, 0.6)))  # fmt: skip
+            t, "AddShader", scatter(t, (0.6, 0.6, 0.6, 1.0), 2.0, -0.6), scatter(t, (0.9, 0.9, 0.9, 1.0), 3.0, 0.6)))  # fmt: skip
         found["absorption of one color, scatter of another"] = 1, lambda t: out(node(t, "AddShader",
             out(node(t, "VolumeAbsorption", (0.9, 0.4, 0.1, 1.0), times(t, attribute(t, "density"), 4.0))),
             scatter(t, (0.3, 0.6, 0.9, 1.0), 3.0, 0.5)))  # fmt: skip
