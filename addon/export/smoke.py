@@ -54,6 +54,10 @@ def media_of(
     look = shaders.look_of(thing, depsgraph, notices)
     if look is None:
         return None
+    if thing.type == "VOLUME" and thing.data.render.clipping > 1.01e-3:  # more than the default
+        notices.append(
+            f"{thing.name}: its Clipping of {thing.data.render.clipping:.3g} is not followed; all voxels are shown"
+        )
     fires, bodies = _by_grids(thing, settings, matrix, depsgraph, look, parts, notices)
     smoke = look.plain
     if smoke is None or (fires and not smoke.extinction.any()):
@@ -62,7 +66,7 @@ def media_of(
         if settings is not None:
             medium: Medium | None = _of_domain(settings, matrix, depsgraph, smoke, parts)
         else:
-            medium = _of_object(thing, matrix, smoke, parts, notices)
+            medium = _of_object(thing, matrix, smoke, parts)
     except voxels.Missing:
         raise
     except ValueError:
@@ -90,6 +94,10 @@ def _by_grids(
     scale = 1.0
     if settings is not None:
         grids = voxels.domain_values(settings, depsgraph.scene.frame_current, look.attributes)
+        if "velocity" in look.attributes:
+            notices.append(
+                f"{thing.name}: its material asks for the domain's velocity, which is not read; it is taken for 0"
+            )
     else:
         if thing.data.render.space == "OBJECT":
             scale = 1.0 / world_unit(matrix)
@@ -188,15 +196,9 @@ def _fire(
     return Medium(grid, 0.0, grid_to_world, np.zeros(3), np.zeros(3), 0.0, rows, flames)
 
 
-def _of_object(
-    thing: Any, matrix: NDArray[np.float64], smoke: materials.Smoke, parts: Parts, notices: list[str]
-) -> Medium | None:
+def _of_object(thing: Any, matrix: NDArray[np.float64], smoke: materials.Smoke, parts: Parts) -> Medium | None:
     if thing.data.render.space == "OBJECT":
         smoke = smoke.divided_by(world_unit(matrix))
-    if thing.data.render.clipping > 1.01e-3:  # more than the default
-        notices.append(
-            f"{thing.name}: its Clipping of {thing.data.render.clipping:.3g} is not followed; all voxels are shown"
-        )
     return _of_volume(thing, matrix, smoke, parts)
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 
+from ... import compat
 from . import fields
 from .blending import OF_COLOURS
 from .fields import Field
@@ -60,8 +61,9 @@ class Reader:
         if source is None:
             return own_value(socket)
         if not source.socket.is_output:
-            if source.place.node.mute:  # what it would hand on is nothing
-                return converted(fields.constant(0.0), "VALUE", socket.type)
+            if source.place.node.mute:
+                nothing = converted(fields.constant(0.0), "VALUE", socket.type)
+                return own_value(socket) if compat.muted_links_are_dropped() else nothing
             return converted(own_value(source.socket), source.socket.type, socket.type)
         key = _key(source.place, source.socket)
         if key in self._open:  # in a circle
@@ -192,11 +194,15 @@ def _constant(_: Reader, __: Place, output: Any) -> Field:
 
 
 def _ramp(reader: Reader, place: Place, output: Any) -> Field:
-    ramp = place.node.color_ramp
-    stops = tuple((stop.position, tuple(stop.color)) for stop in ramp.elements)
-    settings = ramp.interpolation, ramp.color_mode, ramp.hue_interpolation, stops
     which = "ramp's alpha" if output.identifier == "Alpha" else "ramp's colour"
-    return fields.of(which, reader.value(place, "Fac"), settings=settings)
+    return fields.of(which, reader.value(place, "Fac"), settings=stops_of(place.node))
+
+
+def stops_of(node: Any) -> tuple[Any, ...]:
+    """What ramps.py takes of a ColorRamp: how it goes on from stop to stop, and these."""
+    ramp = node.color_ramp
+    stops = tuple((stop.position, tuple(stop.color)) for stop in ramp.elements)
+    return ramp.interpolation, ramp.color_mode, ramp.hue_interpolation, stops
 
 
 def _math(reader: Reader, place: Place, _: Any) -> Field:

@@ -108,7 +108,13 @@ def of_output(output: Any, owner: str, notices: list[str], *, rayleigh: bool = F
             f"{owner}: {len(shining)} of its shaders scatter light, each as much as all together in Cycles of this Blender; "
             "here, each its own"
         )
-    return Look(bodies=_grouped([body for body in bodies if not _is_clear(body)]), emission=emission)
+    grouped = _grouped([body for body in bodies if not _is_clear(body)])
+    if len(grouped) > 1 and compat.phases_share_light():
+        notices.append(
+            f"{owner}: its shaders scatter by {len(grouped)} anisotropies, each in its own color; in Cycles, all colors are "
+            "shared out among them alike"
+        )
+    return Look(bodies=grouped, emission=emission)
 
 
 def _is_clear(body: Body) -> bool:

@@ -13,8 +13,9 @@ import pictures
 from sfumato.export import parts, scene
 from sfumato.export.shading import fields, reading
 
-# Cycles has ramps at these places alone.
-VALUES = np.array([*np.arange(0, 256, 5) / 255.0, -1.3, -0.4, 1.25, 2.5]).astype(np.float32).astype(np.float64)
+# Cycles has ramps at these places alone, and what lies between them is linear there.
+TABLE = 256 if bpy.app.version >= (4, 0, 0) else 255
+VALUES = np.array([*np.arange(0, TABLE + 1, 5) / TABLE, -1.3, -0.4, 1.25, 2.5]).astype(np.float32).astype(np.float64)
 OTHERS = (VALUES[::-1] * 0.7 + 0.1) % 1.0
 Build = Callable[..., Any]  # of a tree and the sockets of two numbers and a colour: the colour's
 
@@ -52,7 +53,7 @@ def ramp(tree: Any, place: Any, interpolation: str, mode: str = "RGB", hue: str 
     while len(elements) < len(stops):
         elements.new(1.0)
     for element, (position, colour) in zip(elements, stops):
-        element.position, element.color = position / 255.0, colour
+        element.position, element.color = position / TABLE, colour
     made.color_ramp.color_mode = mode
     made.color_ramp.interpolation, made.color_ramp.hue_interpolation = interpolation, hue
     return made
@@ -125,7 +126,7 @@ def chains() -> dict[str, Build]:
             add(f"ColorRamp {mode} {hue}", lambda t, a, b, c, m=mode, h=hue: ramp(t, a, "LINEAR", m, h).outputs[0])
     add("ColorRamp of coincident stops", lambda t, a, b, c: ramp(t, a, "LINEAR", stops=(
         (0.0, (0.0, 0.3, 0.0, 1.0)), (100.0, (0.2, 0.2, 0.2, 1.0)), (100.0, (0.8, 0.1, 0.2, 1.0)),
-        (255.0, (0.1, 0.1, 0.9, 1.0)))).outputs[0])  # fmt: skip
+        (250.0, (0.1, 0.1, 0.9, 1.0)))).outputs[0])  # fmt: skip
     add("ColorRamp of one stop", lambda t, a, b, c: one_stop(t, a))
     add("Value", lambda t, a, b, c: set_output(node(t, "Value"), 0.37))
     add("RGB", lambda t, a, b, c: set_output(node(t, "RGB"), (0.1, 0.5, 0.3, 1.0)))
@@ -249,6 +250,32 @@ def test_nodes_calculate_what_those_of_cycles_do() -> None:
             )
     print(f"  {len(built)} chains")
     assert not wrong, "\n".join(wrong)
+
+
+def test_ramps_are_what_blender_evaluates() -> None:
+    """Between Cycles' places, too: of 40 ramps, some with coincident stops, in each mode."""
+    random = np.random.default_rng(1)
+    made = node(bpy.data.node_groups.new("Ramp", "ShaderNodeTree"), "ValToRGB")
+    elements, wrong = made.color_ramp.elements, 0.0
+    for number in range(40):
+        while len(elements) > 1:
+            elements.remove(elements[-1])
+        for _ in range(number % 6):
+            elements.new(1.0)
+        places = np.sort(random.random(len(elements)))
+        places[-1] = places[max(len(places) - 2, 0)] if number % 4 == 1 else places[-1]
+        for element, place in zip(elements, places):
+            element.position, element.color = place, random.random(4)
+        for made.color_ramp.color_mode in ("RGB", "HSV", "HSL"):
+            for made.color_ramp.interpolation in ("EASE", "CARDINAL", "LINEAR", "B_SPLINE", "CONSTANT"):
+                made.color_ramp.hue_interpolation = ("NEAR", "FAR", "CW", "CCW")[number % 4]
+                at = np.array([*random.uniform(-0.1, 1.1, 12), 0.0, 1.0, *(element.position for element in elements)])
+                theirs = np.array([made.color_ramp.evaluate(place) for place in at])
+                for output, name in enumerate(("ramp's colour", "ramp's alpha")):
+                    field = fields.of(name, fields.grid("at", "Fac"), settings=reading.stops_of(made))
+                    (ours,) = fields.evaluate([field], {"at": at})
+                    wrong = max(wrong, float(np.abs(ours - (theirs[:, 3] if output else theirs[:, :3])).max()))
+    assert wrong < 2e-5, wrong
 
 
 TINTED = harness.ROOT / "tests" / "goldens" / "tinted_smoke.vdb"  # density, tint, and grey in a larger box
@@ -378,7 +405,7 @@ def shaders_of_smoke() -> dict[str, tuple[int, Shading]]:
     }  # fmt: skip
     if WHOLE:
         found["two anisotropies"] = 2, lambda t: out(node(
-            t, "AddShader", scatter(t, (0.9, 0.6, 0.3, 1.0), 2.0, -0.6), scatter(t, (0.3, 0.6, 0.9, 1.0), 3.0, 0.6)))  # fmt: skip
+            t, "AddShader", scatter(t, (0.6, 0.6, 0.6, 1.0), 2.0, -0.6), scatter(t, (0.9, 0.9, 0.9, 1.0), 3.0, 0.6)))  # fmt: skip
         found["absorption of one color, scatter of another"] = 1, lambda t: out(node(t, "AddShader",
             out(node(t, "VolumeAbsorption", (0.9, 0.4, 0.1, 1.0), times(t, attribute(t, "density"), 4.0))),
             scatter(t, (0.3, 0.6, 0.9, 1.0), 3.0, 0.5)))  # fmt: skip
