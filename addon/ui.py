@@ -115,7 +115,7 @@ class SfumatoViewportPanel(bpy.types.Panel):
         layout.prop(settings, "quality")
         layout.prop(settings, "sorting")
         if way := painter.sorted_by():
-            draw_wrapped(layout, f"Now by {way}", context.region.width, "INFO")
+            draw_wrapped(layout, f"While the view moves: {way}", context.region.width, "INFO")
         if context.scene.render.engine != ENGINE:
             layout.operator(ops.SfumatoAddSmoke.bl_idname)
         if problem := core.problem():

@@ -24,13 +24,14 @@ def lifted(height: float) -> Any:
 def test_sprites_are_lit_as_the_light_that_arrives() -> None:
     """A sun straight from above: E / (4 pi), times what the puffs and the plate above leave."""
     scene = Scene()
-    scene.add_particles([[0, 0, 2], [0, 0, 0], [0.7, 0, 0]], 0.2, [0.5, 0.75, 0.25], albedo=(1, 0.5, 0.25))
+    places = np.array([[0, 0, 2], [0, 0, 0], [0.7, 0, 0]])
+    scene.add_particles(places, 0.2, [0.5, 0.75, 0.25], albedo=(1, 0.5, 0.25))
     scene.add_sun((0, 0, -1), (4 * np.pi,) * 3)
-    plate = Mesh([[0.4, -1, 5], [1, -1, 5], [1, 1, 5], [0.4, 1, 5]], [[0, 1, 2], [0, 2, 3]])
+    plate = Mesh(np.array([[0.4, -1, 5], [1, -1, 5], [1, 1, 5], [0.4, 1, 5]]), [[0, 1, 2], [0, 2, 3]])
     scene.add_instances(plate, FLAT, albedo=[[1, 1, 1]])
     frame = Frame(scene, coefficients=31)
     points, radius, opacity, colour = frame.sprites(DOWN)
-    assert points.tolist() == pytest.approx(np.array([[0, 0, 2], [0, 0, 0], [0.7, 0, 0]]), abs=1e-6)
+    assert points == pytest.approx(places, abs=1e-6)
     assert radius == pytest.approx(0.2) and opacity == pytest.approx([0.5, 0.75, 0.25], abs=1e-6)
     # Of itself each has half before its middle.
     left = np.array([np.sqrt(0.5), 0.5 * np.sqrt(0.25), 0.0])
