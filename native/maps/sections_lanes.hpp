@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The lit stretches of rays on a light map. A solid takes the light from all that lies behind it on its texel's ray; a
+// ray is followed from column to column of texels, along the axis of the map on which it moves faster, and between the
+// two texels beside it in each column light is filtered linearly, as solid_occlusion() does. What lies beside the map
+// is lit.
+//
+// One column after the other it is Algorithm 1 of Yusov, "Practical implementation of light scattering effects using
+// epipolar sampling and 1D min/max binary trees", 2013; by the bounds of a tree over 2, 4, 8, ... columns Algorithm 2:
+//     for_lit_sections(line_on(map, origin, direction, start, end), start, end, asked, MapHeights(tree, line),
+//                      MapHeights::ALL, [&](Mask which, Real from, Real to, Real share) { ... });
+// `which` are lanes that are lit by `share` between two distances; of a lane they come in no order where share < 1.
+#pragma once
+
+#include "maps/depth_tree.hpp"
+#include "maps/map_view.hpp"
+#include "text/lanes.hpp"
+
+#include <algorithm>
+
+namespace sfumato::SFUMATO_ISA {
+namespace {
+
+// A ray on a map that is affine in the world, in columns that it crosses upwards: `m` is the place along them, `n` the
+// one across.
+struct LineOnMap {
+    Mask along_y, reversed;
+    Real m0, per_column; // distance is (m - m0) per_column
+    Real n0, slope;      // n is n0 + slope (m - m0)
+    Real z0, z_along;    // depth is z0 + z_along distance
+    Real from, to;       // the distances between which it is on the map
+    Real first, last;    // columns
+    Real across;         // texels in a column
+
+    // Where it crosses the edge before a column.
+    [[nodiscard]] Real distance(Real edge) const { return clamp((edge - m0) * per_column, from, to); }
+    [[nodiscard]] Real depth(Real distance) const { return z0 + z_along * distance; }
+    // Where it comes to a depth.
+    [[nodiscard]] Real crossing(Real z) const { return (z - z0) / z_along; }
+    // Where in the middle of a column it is, from the first texel's middle on.
+    [[nodiscard]] Real place(Real column) const { return n0 + slope * (column + 0.5F - m0) - 0.5F; }
+};
+
+// Of a power of two that is no less than either side: columns that are crossed downwards are counted from there.
+inline float columns_of(int width, int height) {
+    float columns = 1.0F;
+    while (columns < static_cast<float>(std::max(width, height))) {
+        columns *= 2.0F;
+    }
+    return columns;
+}
+
+// Where a coordinate that begins at p and changes by d a distance is between 0 and `size`.
+inline void clip(Real p, Real d, Real size, Real &from, Real &to) {
+    const Real per = 1.0F / pick(abs(d) < 1e-20F, 1e-20F, d);
+    const Real a = (0.0F - p) * per, b = (size - p) * per;
+    from = max(from, min(a, b));
+    to = min(to, max(a, b));
+}
+
+// Which way the columns are crossed is the ray's own affair, or that of the plane in which it lies.
+inline LineOnMap line_on(const LightMapView &map, const vec3 &p, const vec3 &d, Mask along_y, Mask reversed, Real start,
+                         Real end) {
+    const auto width = static_cast<float>(map.width), height = static_cast<float>(map.height);
+    const float columns = columns_of(map.width, map.height);
+    const Real x = p.x * width, y = p.y * height, dx = d.x * width, dy = d.y * height;
+    LineOnMap line;
+    line.along_y = along_y;
+    line.reversed = reversed;
+    line.from = start;
+    line.to = end;
+    clip(x, dx, width, line.from, line.to);
+    clip(y, dy, height, line.from, line.to);
+    line.to = max(line.to, line.from);
+    const Real m = pick(along_y, y, x), size = pick(along_y, Real(height), Real(width));
+    const Real speed = max(pick(reversed, -1.0F, 1.0F) * pick(along_y, dy, dx), 1e-20F);
+    line.m0 = pick(reversed, columns - m, m);
+    line.per_column = 1.0F / speed;
+    line.n0 = pick(along_y, x, y);
+    line.slope = clamp(pick(along_y, dx, dy) * line.per_column, -1.0F, 1.0F);
+    line.z0 = p.z;
+    line.z_along = pick(abs(d.z) < 1e-12F, 1e-12F, d.z);
+    const Real low = pick(reversed, columns - size, 0.0F);
+    line.first = clamp(floor(line.m0 + speed * line.from), low, low + size - 1.0F);
+    line.last = clamp(floor(line.m0 + speed * line.to), low, low + size - 1.0F);
+    line.across = pick(along_y, Real(width), Real(height));
+    return line;
+}
+
+inline LineOnMap line_on(const LightMapView &map, const vec3 &origin, const vec3 &direction, Real start, Real end) {
+    const vec3 p = transform_point(map.world_to_light, origin), d = transform_vector(map.world_to_light, direction);
+    const Real dx = d.x * static_cast<float>(map.width), dy = d.y * static_cast<float>(map.height);
+    const Mask along_y = abs(dy) > abs(dx);
+    return line_on(map, p, d, along_y, pick(along_y, dy, dx) < 0.0F, start, end);
+}
+
+// What a ray is tested against in some columns: bounds of the texels beside it, and where it is one column the depths in
+// the two of them, of which the second counts `weight`.
+struct ColumnNode {
+    Real low, high;
+    Real depth[2];
+    Real weight;
+};
+
+// Of a whole map: any ray has a tree there.
+class MapHeights {
+public:
+    static constexpr float ALL = 1e6F; // columns at once
+    MapHeights(const DepthTreeView &tree, const LineOnMap &line)
+        : tree_(tree), line_(line), columns_(columns_of(tree.width, tree.height)) {}
+
+    // Of `count` columns, 2^level, from a multiple of that.
+    [[nodiscard]] ColumnNode node(Real column, Real count, Real per_count, Index level) const {
+        const Real most = line_.across - 1.0F;
+        const Real a = clamp(line_.place(column), 0.0F, most);
+        const Real b = clamp(line_.place(column + count - 1.0F), 0.0F, most);
+        const Real below = floor(min(a, b)), above = min(floor(max(a, b)) + 1.0F, most);
+        const Real own = column * per_count;
+        const Index j = truncate(pick(line_.reversed, columns_ * per_count - 1.0F - own, own));
+        const Index n0 = truncate(below * per_count), n1 = truncate(above * per_count);
+        const Index row = gather(tree_.row, level), first = gather(tree_.first, level);
+        const auto at = [&](Index n) {
+            const Index across = xsimd::select(xsimd::batch_bool_cast<std::int32_t>(line_.along_y), n, j);
+            const Index down = xsimd::select(xsimd::batch_bool_cast<std::int32_t>(line_.along_y), j, n);
+            return first + down * row + across;
+        };
+        const Index at0 = at(n0), at1 = at(n1);
+        ColumnNode node;
+        node.depth[0] = gather(tree_.low, at0);
+        node.depth[1] = gather(tree_.low, at1);
+        node.low = min(node.depth[0], node.depth[1]);
+        node.high = max(gather(tree_.high, at0), gather(tree_.high, at1));
+        node.weight = a - below;
+        return node;
+    }
+
+private:
+    const DepthTreeView &tree_;
+    const LineOnMap &line_;
+    float columns_;
+};
+
+// Calls found() for each lit stretch of the asked lanes between `start` and `end`; never tests more than `most` columns
+// at once: 1 is Algorithm 1. Returns how many nodes each lane was tested against.
+template <typename Heights, typename Found>
+Real for_lit_sections(const LineOnMap &line, Real start, Real end, Mask asked, const Heights &heights, float most,
+                      const Found &found) {
+    Mask on = asked & (line.from < line.to), lit = asked & on & (line.from > start), arrived = on;
+    Real since = start, column = line.first, count = 1.0F, per_count = 1.0F, tested = 0.0F;
+    Index level(0);
+    while (xsimd::any(on)) {
+        const Real pairs = column * (0.5F * per_count);
+        const Mask rises = arrived & (floor(pairs) == pairs) & (count * 2.0F <= most);
+        count = pick(rises, count * 2.0F, count);
+        per_count = pick(rises, per_count * 0.5F, per_count);
+        level = xsimd::select(xsimd::batch_bool_cast<std::int32_t>(rises), level + Index(1), level);
+        const Real a = line.distance(column), b = line.distance(column + count);
+        const Real za = line.depth(a), zb = line.depth(b);
+        const ColumnNode node = heights.node(column, count, per_count, level);
+        const Mask bright = max(za, zb) < node.low, dark = min(za, zb) >= node.high, single = count < 1.5F;
+        arrived = on & (bright | dark | single);
+        const Mask ends = arrived & lit & !bright;
+        if (xsimd::any(ends)) {
+            found(ends, since, a, Real(1.0F));
+            lit = lit & !ends;
+        }
+        const Mask begins = arrived & bright & !lit;
+        since = pick(begins, a, since);
+        lit = lit | begins;
+        const Mask partly = arrived & !bright & !dark;
+        if (xsimd::any(partly)) {
+            for (int side = 0; side < 2; ++side) {
+                const Real meets = line.crossing(node.depth[side]);
+                const Real begin = pick(line.z_along > 0.0F, a, max(a, meets));
+                const Real finish = pick(line.z_along > 0.0F, min(b, meets), b);
+                found(partly & (begin < finish), begin, finish, side == 0 ? 1.0F - node.weight : node.weight);
+            }
+        }
+        tested = tested + pick(on, 1.0F, 0.0F);
+        column = pick(arrived, column + count, column);
+        const Mask falls = on & !arrived;
+        count = pick(falls, count * 0.5F, count);
+        per_count = pick(falls, per_count * 2.0F, per_count);
+        level = xsimd::select(xsimd::batch_bool_cast<std::int32_t>(falls), level - Index(1), level);
+        on = on & (column <= line.last);
+    }
+    const Mask beyond = asked & !lit & (line.to < end);
+    since = pick(beyond, line.to, since);
+    lit = lit | beyond;
+    if (xsimd::any(lit)) {
+        found(lit, since, end, Real(1.0F));
+    }
+    return tested;
+}
+
+} // namespace
+} // namespace sfumato::SFUMATO_ISA
