@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The text of the shaders as C++: all of it compiles for every number that it is used with, and means the same.
 #define SFUMATO_ISA text_test
+#include "text/air_text.hpp"
 #include "text/camera_text.hpp"
 #include "text/integrals_text.hpp"
 #include "text/lanes.hpp"
@@ -18,6 +19,7 @@
 #include <gtest/gtest.h>
 
 #define SFUMATO_ALL_MEMBERS(REAL, ISA)                                                                                 \
+    template struct AirText<REAL, ISA>;                                                                                \
     template struct CameraText<REAL, ISA>;                                                                             \
     template struct IntegralsText<REAL, ISA>;                                                                          \
     template struct LightsText<REAL, ISA>;                                                                             \
@@ -36,7 +38,7 @@ SFUMATO_ALL_MEMBERS(text_test::Real, text_test::Isa)
 namespace sfumato {
 namespace {
 
-constexpr int ANSWERS = 13, LANES = text_test::Isa::LANES;
+constexpr int ANSWERS = 15, LANES = text_test::Isa::LANES;
 
 template <class Real, class Isa>
 Real strand_sent(const std::array<Real, 6> &n) {
@@ -51,6 +53,19 @@ Real strand_sent(const std::array<Real, 6> &n) {
     return strands.strand_sent(fibre, look, n[3] - 0.5F, n[4] * 3.0F).y + strands.matt_strand(look, n[5], n[1]);
 }
 
+// What a stretch before a lamp sends, by one point, and by how much air.
+template <class Real, class Isa>
+Real lamp_sent(const std::array<Real, 6> &n) {
+    text::AirText<Real, Isa> air;
+    const Real g = n[0] - 0.5F, from = n[1] - 0.6F, squeeze = air.squeeze_of(g);
+    const Real to = from + n[2];
+    const auto stretch = air.lit_stretch(n[3], from, to, squeeze);
+    const auto point = air.lit_point(stretch, n[4]);
+    const Real until = air.lit_until(n[3], from, n[5], squeeze);
+    return point.weight * air.cornette_shanks(point.half_sine2, point.half_cosine2, g) + point.place * 0.1F +
+           point.radius * 0.1F + until * 0.01F;
+}
+
 // One answer from every room; the numbers are in [0, 1].
 template <class Real, class Isa>
 std::array<Real, ANSWERS> answers(const std::array<Real, 6> &n) {
@@ -62,6 +77,7 @@ std::array<Real, ANSWERS> answers(const std::array<Real, 6> &n) {
     text::CameraText<Real, Isa> camera;
     text::IntegralsText<Real, Isa> integrals;
     text::MicrofacetsText<Real, Isa> facets;
+    text::AirText<Real, Isa> air;
     const auto gloss =
         facets.microfacet_quad(facets.microfacets(BRDF_GGX, view, n[1] * 0.5F + 0.2F, n[2] * 0.5F + 0.2F),
                                middle - x - y, middle - x + y, middle + x + y, middle + x - y);
@@ -78,7 +94,9 @@ std::array<Real, ANSWERS> answers(const std::array<Real, 6> &n) {
             integrals.diffuse_ellipse(zenith, middle, x, y),
             gloss.plain,
             gloss.fresnel,
-            strand_sent<Real, Isa>(n)};
+            strand_sent<Real, Isa>(n),
+            lamp_sent<Real, Isa>(n),
+            air.lit_by_sun(air.air_column(n[0], n[1] - 0.5F, n[2]), n[3], n[4]) + air.rayleigh(n[5])};
 }
 
 TEST(Text, MeansTheSameForEveryNumber) {
