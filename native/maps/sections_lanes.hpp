@@ -7,12 +7,13 @@
 // One column after the other it is Algorithm 1 of Yusov, "Practical implementation of light scattering effects using
 // epipolar sampling and 1D min/max binary trees", 2013; by the bounds of a tree over 2, 4, 8, ... columns Algorithm 2:
 //     for_lit_sections(line_on(map, origin, direction, start, end), start, end, asked, MapHeights(tree, line),
-//                      MapHeights::ALL, [&](Mask which, Real from, Real to, Real share) { ... });
+//                      ALL_COLUMNS, [&](Mask which, Real from, Real to, Real share) { ... });
 // `which` are lanes that are lit by `share` between two distances; of a lane they come in no order where share < 1.
 #pragma once
 
 #include "maps/depth_tree.hpp"
 #include "maps/map_view.hpp"
+#include "text/dispatch.hpp"
 #include "text/lanes.hpp"
 
 #include <algorithm>
@@ -40,9 +41,11 @@ struct LineOnMap {
     [[nodiscard]] Real place(Real column) const { return n0 + slope * (column + 0.5F - m0) - 0.5F; }
 };
 
+constexpr float ALL_COLUMNS = 1e6F; // at once, as many as the tree has
+
 // Of a power of two that is no less than either side: columns that are crossed downwards are counted from there.
 inline float columns_of(int width, int height) {
-    float columns = 1.0F;
+    float columns = static_cast<float>(MAX_LANES);
     while (columns < static_cast<float>(std::max(width, height))) {
         columns *= 2.0F;
     }
@@ -93,8 +96,8 @@ inline LineOnMap line_on(const LightMapView &map, const vec3 &origin, const vec3
     return line_on(map, p, d, along_y, pick(along_y, dy, dx) < 0.0F, start, end);
 }
 
-// What a ray is tested against in some columns: bounds of the texels beside it, and where it is one column the depths in
-// the two of them, of which the second counts `weight`.
+// What a ray is tested against in some columns: bounds of the texels beside it, and where it is one column the depths
+// in the two of them, of which the second counts `weight`.
 struct ColumnNode {
     Real low, high;
     Real depth[2];
@@ -104,26 +107,25 @@ struct ColumnNode {
 // Of a whole map: any ray has a tree there.
 class MapHeights {
 public:
-    static constexpr float ALL = 1e6F; // columns at once
     MapHeights(const DepthTreeView &tree, const LineOnMap &line)
         : tree_(tree), line_(line), columns_(columns_of(tree.width, tree.height)) {}
 
+    // The most columns that it has at once.
+    [[nodiscard]] float root() const { return static_cast<float>(1 << tree_.levels); }
+
     // Of `count` columns, 2^level, from a multiple of that.
-    [[nodiscard]] ColumnNode node(Real column, Real count, Real per_count, Index level) const {
+    [[nodiscard]] ColumnNode node(Real column, Real count, Real per_count, Real level) const {
         const Real most = line_.across - 1.0F;
         const Real a = clamp(line_.place(column), 0.0F, most);
         const Real b = clamp(line_.place(column + count - 1.0F), 0.0F, most);
         const Real below = floor(min(a, b)), above = min(floor(max(a, b)) + 1.0F, most);
         const Real own = column * per_count;
-        const Index j = truncate(pick(line_.reversed, columns_ * per_count - 1.0F - own, own));
-        const Index n0 = truncate(below * per_count), n1 = truncate(above * per_count);
-        const Index row = gather(tree_.row, level), first = gather(tree_.first, level);
-        const auto at = [&](Index n) {
-            const Index across = xsimd::select(xsimd::batch_bool_cast<std::int32_t>(line_.along_y), n, j);
-            const Index down = xsimd::select(xsimd::batch_bool_cast<std::int32_t>(line_.along_y), j, n);
-            return first + down * row + across;
+        const Real j = pick(line_.reversed, columns_ * per_count - 1.0F - own, own);
+        const Index row = gather(tree_.row, truncate(level)), first = gather(tree_.first, truncate(level));
+        const auto at = [&](Real k) {
+            return first + truncate(pick(line_.along_y, j, k)) * row + truncate(pick(line_.along_y, k, j));
         };
-        const Index at0 = at(n0), at1 = at(n1);
+        const Index at0 = at(floor(below * per_count)), at1 = at(floor(above * per_count));
         ColumnNode node;
         node.depth[0] = gather(tree_.low, at0);
         node.depth[1] = gather(tree_.low, at1);
@@ -145,14 +147,14 @@ template <typename Heights, typename Found>
 Real for_lit_sections(const LineOnMap &line, Real start, Real end, Mask asked, const Heights &heights, float most,
                       const Found &found) {
     Mask on = asked & (line.from < line.to), lit = asked & on & (line.from > start), arrived = on;
-    Real since = start, column = line.first, count = 1.0F, per_count = 1.0F, tested = 0.0F;
-    Index level(0);
+    Real since = start, column = line.first, count = 1.0F, per_count = 1.0F, level = 0.0F, tested = 0.0F;
+    const float root = std::min(most, heights.root());
     while (xsimd::any(on)) {
         const Real pairs = column * (0.5F * per_count);
-        const Mask rises = arrived & (floor(pairs) == pairs) & (count * 2.0F <= most);
+        const Mask rises = arrived & (floor(pairs) == pairs) & (count * 2.0F <= root);
         count = pick(rises, count * 2.0F, count);
         per_count = pick(rises, per_count * 0.5F, per_count);
-        level = xsimd::select(xsimd::batch_bool_cast<std::int32_t>(rises), level + Index(1), level);
+        level = pick(rises, level + 1.0F, level);
         const Real a = line.distance(column), b = line.distance(column + count);
         const Real za = line.depth(a), zb = line.depth(b);
         const ColumnNode node = heights.node(column, count, per_count, level);
@@ -180,7 +182,7 @@ Real for_lit_sections(const LineOnMap &line, Real start, Real end, Mask asked, c
         const Mask falls = on & !arrived;
         count = pick(falls, count * 0.5F, count);
         per_count = pick(falls, per_count * 2.0F, per_count);
-        level = xsimd::select(xsimd::batch_bool_cast<std::int32_t>(falls), level - Index(1), level);
+        level = pick(falls, level - 1.0F, level);
         on = on & (column <= line.last);
     }
     const Mask beyond = asked & !lit & (line.to < end);

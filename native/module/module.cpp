@@ -72,6 +72,7 @@ True
     bind_scene_parts(m);
     bind_visibility(m);
     bind_scene(m);
+    bind_shafts(m);
     bind_reference(m);
     bind_frame_parts(m);
     bind_frame(m);
