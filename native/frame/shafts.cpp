@@ -30,14 +30,14 @@ struct Spacing {
 
 Spacing spacing_of(ShaftMethod method) {
     constexpr float ROOT2 = 1.41421356F;
-    return method == ShaftMethod::EPIPOLAR_FINE ? Spacing{ROOT2, ROOT2} : Spacing{2.0F, 8.0F};
+    return method == ShaftMethod::EPIPOLAR_FINE ? Spacing{ROOT2, ROOT2} : Spacing{2.0F, 6.0F};
 }
 
 // Where the sun lies on the screen (0 to 1), as x, y and w.
 glm::dvec3 epipole(const Camera &camera, const glm::dvec3 &light) {
     std::array<glm::dvec3, 3> along;
     for (std::size_t k = 0; k < 3; ++k) {
-        along[k] = glm::dvec3(camera.far[k]) - (k == 0 ? glm::dvec3(camera.near[k]) : glm::dvec3(camera.near[k]));
+        along[k] = glm::dvec3(camera.far[k]) - glm::dvec3(camera.near[k]);
     }
     const double size = glm::length(along[0]);
     const bool parallel = glm::length(along[1]) + glm::length(along[2]) < 1e-5 * size;

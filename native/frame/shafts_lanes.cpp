@@ -17,7 +17,8 @@ using AirText = text::AirText<Real, Isa>;
 using CameraText = text::CameraText<Real, Isa>;
 using EpipolarText = text::EpipolarText<Real, Isa>;
 using Ray = CameraText::Ray;
-constexpr float TREE_ROOT = 256.0F; // columns that a slice's tree has at once
+constexpr float TREE_ROOT = 256.0F;  // columns that a slice's tree has at once
+constexpr float LOOK_COLUMNS = 2.5F; // before a surface, in which its own texels are already met
 constexpr float NOWHERE = std::numeric_limits<float>::max();
 constexpr float DARKNESS = 16.0F; // optical depth from which on nothing is seen
 
@@ -233,11 +234,15 @@ inline SliceRays slice_rays(const ShaftView &view, const EpipolarView &epipolar,
     const Index px = truncate(clamp(floor(place.x), 0.0F, width - 1.0F));
     const Index py = truncate(clamp(floor(place.y), 0.0F, height - 1.0F));
     rays.distance = end_of(view, rays.ray, gather(view.distance, py * Index(view.width) + px));
-    rays.look = rays.distance * EPIPOLAR_LOOK;
     const vec3 p = transform_point(view.map.world_to_light, rays.ray.origin);
     const vec3 d = transform_vector(view.map.world_to_light, rays.ray.direction);
     const Mask all(true);
-    rays.line = line_on(view.map, p, d, slice.along_y ? all : !all, slice.reversed ? all : !all, Real(0.0F), rays.look);
+    const auto line_until = [&](Real end) {
+        return line_on(view.map, p, d, slice.along_y ? all : !all, slice.reversed ? all : !all, Real(0.0F), end);
+    };
+    const Real column = line_until(rays.distance).per_column;
+    rays.look = max(rays.distance * EPIPOLAR_LOOK, rays.distance - column * LOOK_COLUMNS);
+    rays.line = line_until(rays.look);
     rays.line.slope = slice.slope;
     rays.line.n0 = slice.n0 + slice.slope * (rays.line.m0 - slice.m0);
     return rays;
@@ -264,7 +269,7 @@ std::size_t march_slice(const ShaftView &view, const EpipolarView &epipolar, con
         high = std::max(high, highest(pick(on, rays.line.last, 0.0F)));
     }
     const SliceHeights heights(view, slice, std::min(low, high), high, scratch);
-    std::size_t tested = static_cast<std::size_t>(2.0F * std::max(high - low, 0.0F));
+    auto tested = static_cast<std::size_t>(2.0F * std::max(high - low, 0.0F));
     const SampleView &out = epipolar.samples;
     for (int j = 0; j < samples; j += LANES) {
         const SliceRays rays = slice_rays(view, epipolar, slice, j, samples);
@@ -330,8 +335,8 @@ inline void add_column(const EpipolarView &epipolar, int colours, const Real *pa
     for (int side = 0; side < 2; ++side) {
         const Real number = (side == 0 ? below : below + 1.0F) * together;
         const Index at = base + truncate(number) * truncate(samples) + truncate(j);
-        const Real knows = EpipolarText().sample_knows(distance, gather(of.from, at), gather(of.to, at)) *
-                           (side == 0 ? 1.0F - share : share) * weight;
+        const Real counts = (side == 0 ? 1.0F - share : share) * weight, to = gather(of.to, at);
+        const Real knows = EpipolarText().sample_knows(distance, gather(of.from, at), to) * counts;
         const Real lit = gather(of.share, at);
         for (int c = 0; c < colours; ++c) {
             out.sum[c] = out.sum[c] + knows * (gather(of.start[c], at) + lit * passed[c]);

@@ -11,7 +11,7 @@
 // how far from the border it lies. Borders 0 and 1 are x = 0 and x = width, 2 and 3 are y = 0 and y = height.
 
 // Beyond its surface a sample is believed for so large a share of its distance, and half for twice that.
-#define EPIPOLAR_TOLERANCE 0.02f
+#define EPIPOLAR_TOLERANCE 0.005f
 
 struct EpipolarPlace {
   float border;

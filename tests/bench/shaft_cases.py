@@ -87,8 +87,8 @@ def distances(boxes: Array, camera: sfumato.Camera, width: int, height: int) -> 
     return out
 
 
-def sun_map(boxes: Array, direction: Array, texels: int) -> sfumato.SolidMap:
-    """Of the box around all boxes, square texels."""
+def sun_map(boxes: Array, direction: Array, texels: int) -> tuple[Array, Array]:
+    """What SolidMap takes, of the box around all boxes, with square texels."""
     along = direction / np.linalg.norm(direction)
     across = np.cross(along, (0, 0, 1) if abs(along[2]) < 0.9 else (1, 0, 0))
     across /= np.linalg.norm(across)
@@ -107,4 +107,4 @@ def sun_map(boxes: Array, direction: Array, texels: int) -> sfumato.SolidMap:
         at = np.stack([place, np.full(texels, place[row]), np.zeros(texels), np.ones(texels)], axis=1)
         origin = (at @ back.T)[:, :3]
         depth[row] = first_hits(boxes, origin, np.broadcast_to(back[:3, 2], origin.shape))
-    return sfumato.SolidMap(depth, onto)
+    return depth, onto
