@@ -33,25 +33,26 @@ Spacing spacing_of(ShaftMethod method) {
     return method == ShaftMethod::EPIPOLAR_FINE ? Spacing{ROOT2, ROOT2} : Spacing{2.0F, 6.0F};
 }
 
-// Where the sun lies on the screen (0 to 1), as x, y and w.
+// Where the sun lies on the screen (0 to 1), as x, y and w. Nowhere, all 0, where all rays go along its light.
 glm::dvec3 epipole(const Camera &camera, const glm::dvec3 &light) {
+    constexpr double STRAIGHT = 1e-4;
     std::array<glm::dvec3, 3> along;
     for (std::size_t k = 0; k < 3; ++k) {
         along[k] = glm::dvec3(camera.far[k]) - glm::dvec3(camera.near[k]);
     }
-    const double size = glm::length(along[0]);
-    const bool parallel = glm::length(along[1]) + glm::length(along[2]) < 1e-5 * size;
-    const glm::dmat3 axes =
-        parallel ? glm::dmat3(along[0], camera.near[1], camera.near[2]) : glm::dmat3(along[0], along[1], along[2]);
-    const glm::dvec3 place = glm::inverse(axes) * light;
-    const glm::dvec3 found(place.y, place.z, parallel ? 0.0 : place.x);
-    return found.z < 0.0 ? -found : found;
+    if (glm::length(along[1]) + glm::length(along[2]) > 1e-5 * glm::length(along[0])) {
+        const glm::dvec3 place = glm::inverse(glm::dmat3(along[0], along[1], along[2])) * light;
+        return glm::dvec3(place.y, place.z, place.x) * (place.x < 0.0 ? -1.0 : 1.0);
+    }
+    const glm::dvec3 across(camera.near[1]), up(camera.near[2]);
+    const glm::dvec3 place = glm::inverse(glm::dmat3(along[0], across, up)) * light;
+    const bool straight = glm::length(place.y * across + place.z * up) < STRAIGHT;
+    return straight ? glm::dvec3(0.0) : glm::dvec3(place.y, place.z, 0.0);
 }
 
 // All that the kernels read of an epipole's slices and samples.
 class Slices {
 public:
-    // Of a light that the whole screen looks at from straight ahead there are none.
     Slices(const ShaftView &view, const glm::dvec3 &light, Spacing spacing)
         : width(static_cast<float>(view.width)), height(static_cast<float>(view.height)) {
         for (int c = 0; c < 3; ++c) {
@@ -135,10 +136,12 @@ private:
         border.slices = static_cast<int>(std::ceil(length / spacing.along));
         border.along = length / static_cast<float>(border.slices);
         border.slices += 1 + MOST_AS_ONE + 1;
-        const float steepest = std::max(std::abs(length * w - across), std::abs(across)) / away;
-        const float deepest = w > 0.0F ? std::min(depth, away / w) : depth;
-        const float longest = deepest * std::sqrt(1.0F + steepest * steepest);
-        const auto steps = static_cast<int>(std::ceil(std::min(longest, 2.0F * (length + depth)) / spacing.deep));
+        // How far slices go across while they come nearer to the border by one: the most of any, and the least.
+        const float low = std::abs(across) / away, high = std::abs(length * w - across) / away;
+        const float most = std::max(low, high);
+        const float least = across * (length * w - across) >= 0.0F ? 0.0F : std::min(low, high);
+        const float deepest = std::min(w > 0.0F ? std::min(depth, away / w) : depth, length / std::max(least, 1e-6F));
+        const auto steps = static_cast<int>(std::ceil(deepest * std::sqrt(1.0F + most * most) / spacing.deep));
         border.deep = deepest / static_cast<float>(std::max(steps, 1));
         border.samples = std::max(steps, 1) + 1;
         table.clear();
@@ -232,9 +235,8 @@ Shafts shafts(const ShaftRays &rays, std::span<const ShaftLight> lights, const S
         view.irradiance = light.irradiance;
         const glm::dvec3 place = epipole(rays.camera, light.direction);
         const glm::dvec3 on_screen(place.x * rays.width, place.y * rays.height, place.z);
-        const double size = std::max(std::abs(place.x), std::abs(place.y));
         const bool sliced = method == ShaftMethod::EPIPOLAR || method == ShaftMethod::EPIPOLAR_FINE;
-        if (!sliced || size + place.z < 1e-12) {
+        if (!sliced || place == glm::dvec3(0.0)) {
             march(view, method != ShaftMethod::MARCH, out);
             continue;
         }

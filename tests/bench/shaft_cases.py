@@ -93,7 +93,9 @@ def sun_map(boxes: Array, direction: Array, texels: int) -> tuple[Array, Array]:
     across = np.cross(along, (0, 0, 1) if abs(along[2]) < 0.9 else (1, 0, 0))
     across /= np.linalg.norm(across)
     axes = np.array([across, np.cross(along, across), along])
-    corners = np.array([[boxes[:, i, 0], boxes[:, j, 1], boxes[:, k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    corners = np.array(
+        [[boxes[:, i, 0], boxes[:, j, 1], boxes[:, k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+    )
     places = np.moveaxis(corners, 1, 2).reshape(-1, 3) @ axes.T
     low, high = places.min(axis=0) - 0.01, places.max(axis=0) + 0.01
     size = np.array([max(high[:2] - low[:2])] * 2 + [high[2] - low[2]])
