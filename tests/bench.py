@@ -222,6 +222,14 @@ def particles() -> tuple[Sequence[Row], list[str]]:
     return plumes()
 
 
+def shafts() -> tuple[Sequence[Row], list[str]]:
+    """Light shafts in air: ways to follow the light that solids leave."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_shafts import windows
+
+    return windows()
+
+
 def package() -> tuple[Sequence[Row], list[str]]:
     """The module that packaging/release made, against the one of this build."""
     from bench_package import package as both
@@ -242,6 +250,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "package": package,
     "particles": particles,
     "preintegration": preintegrated,
+    "shafts": shafts,
     "versions": versions,
 }
 

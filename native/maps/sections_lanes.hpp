@@ -73,7 +73,7 @@ inline LineOnMap line_on(const LightMapView &map, const vec3 &p, const vec3 &d, 
     line.to = end;
     clip(x, dx, width, line.from, line.to);
     clip(y, dy, height, line.from, line.to);
-    line.to = max(line.to, line.from);
+    line.to = max(line.to, line.from); // the same where it never is
     const Real m = pick(along_y, y, x), size = pick(along_y, Real(height), Real(width));
     const Real speed = max(pick(reversed, -1.0F, 1.0F) * pick(along_y, dy, dx), 1e-20F);
     line.m0 = pick(reversed, columns - m, m);
@@ -146,7 +146,8 @@ private:
 template <typename Heights, typename Found>
 Real for_lit_sections(const LineOnMap &line, Real start, Real end, Mask asked, const Heights &heights, float most,
                       const Found &found) {
-    Mask on = asked & (line.from < line.to), lit = asked & on & (line.from > start), arrived = on;
+    Mask on = asked & (line.from < line.to), arrived = on;
+    Mask lit = asked & (!on | (line.from > start)); // before it comes to the map, if it does
     Real since = start, column = line.first, count = 1.0F, per_count = 1.0F, level = 0.0F, tested = 0.0F;
     const float root = std::min(most, heights.root());
     while (xsimd::any(on)) {

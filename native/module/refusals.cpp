@@ -66,6 +66,10 @@ bool is_triple(py::handle value) {
            std::all_of(value.begin(), value.end(), &is_whole);
 }
 
+bool is_list(py::handle value) {
+    return py::isinstance<py::list>(value);
+}
+
 bool are_texts(py::handle value) {
     return PySequence_Check(value.ptr()) != 0 && !is_text(value) && std::all_of(value.begin(), value.end(), &is_text);
 }
@@ -77,6 +81,7 @@ constexpr std::array KINDS{
     Kind{"uint8", "an array of uint8", &is_bytes},
     Kind{"List[str]", "a list of texts", &are_texts},
     Kind{"Sequence[str]", "a list of texts", &are_texts},
+    Kind{"list", "a list", &is_list},
     Kind{"numpy", "an array of real numbers", &is_array},
     Kind{"object", "an array of real numbers", &is_array},
     Kind{"int[3]", "three whole numbers", &is_triple},

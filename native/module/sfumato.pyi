@@ -470,6 +470,14 @@ class Scene:
         place to 1e-7 of its distance from there. Cameras are, too.
         """
 
+class SolidMap:
+    """The first solids that the light of a sun meets: the shadow map of light shafts."""
+
+    def __init__(self, depth: ArrayLike, world_to_map: ArrayLike) -> None: ...
+    @property
+    def shape(self) -> tuple[Any, ...]:
+        """(rows, columns)."""
+
 class TransferFunction:
     """Extinction and emission of smoke as functions of one number: a ramp."""
 
@@ -833,6 +841,22 @@ class reference:  # a module
     @staticmethod
     def transmittance(depth: ArrayLike, alpha: ArrayLike, d: ArrayLike) -> NDArray[numpy.float64]:
         """The share of light left behind flat absorbers: the product of 1 - alpha over all whose depth is at most d."""
+
+def shafts(
+    distance: ArrayLike,
+    camera: Camera,
+    maps: list[Any],
+    direction: ArrayLike,
+    irradiance: ArrayLike,
+    rayleigh: ArrayLike = [0.0, 0.0, 0.0],
+    mie: ArrayLike = [0.0, 0.0, 0.0],
+    absorption: ArrayLike = [0.0, 0.0, 0.0],
+    anisotropy: float = 0.0,
+    method: str = "minmax",
+) -> tuple[Any, ...]:
+    """What even air scatters of suns to the eye, once, where solids leave it lit: radiance (rows, columns, 3); how
+    many texels, or bounds of some, were looked at; and how many rays were followed.
+    """
 
 def sphere_integral(
     centre: ArrayLike, radius: ArrayLike, axis: ArrayLike, exponent: ArrayLike, normal: ArrayLike | None = None

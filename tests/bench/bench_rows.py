@@ -98,6 +98,14 @@ class RampRow(Row):
     samples: float | None  # of the smoke, a voxel
 
 
+class ShaftRow(Row):
+    """One way to a picture of light shafts."""
+
+    p999: float  # 99.9th percentile
+    max_error: float
+    texels: float  # or bounds of some, looked at for a pixel
+
+
 class ParticleRow(Row):
     """Light maps of particles, or whole pictures of them. `bytes` are the map's, or the peak of the process above that
     without particles."""

@@ -108,6 +108,12 @@ VALUES: dict[str, Any] = {
     "composite_nearest.alpha": RAYS,
     "composite_fourier.alpha": RAYS,
     "composite_weighted.alpha": RAYS,
+    "SolidMap.__init__.depth": np.full((2, 2), np.inf),
+    "world_to_map": np.eye(4),
+    "distance": np.ones((2, 2)),
+    "maps": [sfumato.SolidMap(np.full((2, 2), np.inf), np.eye(4))],
+    "shafts.direction": [(0, 0, -1)],
+    "shafts.irradiance": [(1, 1, 1)],
 }
 # These end in an error of their own with what serves: there is no such file.
 OF_FILES = {"read_volume", "volume_header", "Grid.from_file"}
