@@ -131,6 +131,8 @@ def add_air(scene: Any, depsgraph: Any, origin: Array, space: Any, suns: list[st
     shape: dict[str, Any] = {}
     if shaders:
         volume = even_volume(shaders, "World", notices)
+        if volume.emission.any():
+            notices.append("World: its volume glows, but lights nothing by that")
         if suns and not volume.is_nothing:
             notices.append(
                 f"World: in Cycles its volume, which never ends, lets no light of suns through; here {_listed(suns)} "

@@ -72,14 +72,16 @@ def said() -> list[str]:
     return list(scene.export(bpy.context.evaluated_depsgraph_get()).notices)
 
 
-def beside_cycles(case: str, samples: int = 256) -> None:
-    error = pictures.error_beside_cycles(case, SIZE, samples)
+def beside_cycles(case: str, samples: int = 256, size: tuple[int, int] = SIZE) -> None:
+    error = pictures.error_beside_cycles(case, size, samples)
     assert error < MOST, (case, error)
 
 
 def test_lamps_in_scattering_air_are_as_in_cycles() -> None:
-    for kind, anisotropy in (("POINT", 0.0), ("POINT", 0.7), ("SPOT", 0.3), ("AREA", -0.4)):
+    for kind, anisotropy in (("POINT", 0.7), ("SPOT", 0.3), ("AREA", -0.4)):
         place(kind)
+        # A glow is as steep as a lamp is small: where one looks into it, the filters of pixels are compared.
+        bpy.context.scene.objects["Lamp"].location.z += 0.8
         (scatter,) = fill("VolumeScatter")
         put(scatter, Color=(0.9, 0.6, 0.3), Density=0.12, Anisotropy=anisotropy)
         beside_cycles(f"{kind.lower()}, anisotropy {anisotropy}")
@@ -94,8 +96,26 @@ def test_sums_of_volume_shaders_are_as_in_cycles() -> None:
     place("POINT")
     (principled,) = fill("VolumePrincipled")
     put(principled, Color=(0.7, 0.4, 0.6), Absorption_Color=(0.5, 0.1, 0.3), Density=0.2, Anisotropy=0.2)
-    put(principled, Emission_Strength=0.01, Emission_Color=(0.2, 0.5, 1.0))
-    beside_cycles("principled, which glows")
+    beside_cycles("principled")
+
+
+def test_air_that_glows_is_seen_as_in_cycles() -> None:
+    """On a floor that reflects nothing, since it lights nothing here, which is named."""
+    place("POINT").energy = 0.0
+    bpy.data.objects.remove(bpy.data.objects["Post"])
+    shader = bpy.data.objects["Floor"].data.materials[0].node_tree.nodes["Diffuse BSDF"]
+    shader.inputs[0].default_value = (0.0, 0.0, 0.0, 1.0)
+    bpy.context.scene.camera.rotation_euler = (1.1, 0.0, 0.0)
+    absorption, principled = fill("VolumeAbsorption", "VolumePrincipled")
+    put(absorption, Color=(0.2, 0.6, 0.9), Density=0.2)
+    put(principled, Color=(0.0, 0.0, 0.0), Absorption_Color=(1.0, 1.0, 1.0), Emission_Color=(0.2, 0.5, 1.0))
+    put(principled, Emission_Strength=0.01)
+    beside_cycles("glowing", 16)
+    assert sum("lights nothing" in line for line in said()) == 1, said()
+    # Without end, what it emits over what it takes of that.
+    bpy.data.objects["Floor"].hide_render = True
+    sky = pictures.render(SIZE)[..., :3]
+    assert np.allclose(sky, np.array((0.2, 0.5, 1.0)) * 0.01 / (0.2 * np.array((0.8, 0.4, 0.1))), rtol=1e-3)
 
 
 def test_smoke_stands_in_air_as_in_cycles() -> None:
@@ -110,7 +130,11 @@ def test_smoke_stands_in_air_as_in_cycles() -> None:
     put(harness.shade(volume, "ShaderNodeVolumePrincipled", "Volume"), Density=6.0, Color=(0.7, 0.7, 0.7))
     (scatter,) = fill("VolumeScatter")
     put(scatter, Color=(0.8, 0.8, 0.8), Density=0.08)
-    beside_cycles("smoke in air")
+    # Cycles goes the whole of each ray at the steps of the smoke.
+    view = bpy.context.scene
+    view.camera.location, view.camera.rotation_euler = (0.2, -3.5, 2.0), (1.2, 0.0, 0.0)
+    view.cycles.volume_step_rate = 2.0
+    beside_cycles("smoke in air", 64, (24, 24))
 
 
 def test_a_sun_in_a_volume_of_the_world_is_named() -> None:
