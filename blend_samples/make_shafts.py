@@ -24,8 +24,8 @@ from make_fire import bake, keep_what_is_shown  # noqa: E402
 
 CACHE = HERE / "shafts_cache"
 STILL_FRAME = 40
-# Of the room, metres: half its width, its depth, its height; of the window, from where to where along Y and Z.
-HALF, DEPTH, HEIGHT, THICK = 2.2, 4.4, 2.8, 0.2
+# Of the room, metres: half its width, from where to where it goes along Y, its height; of the window, likewise.
+HALF, FRONT, DEPTH, HEIGHT, THICK = 2.2, -3.6, 4.4, 2.8, 0.2
 WINDOW_Y, WINDOW_Z = (1.2, 3.2), (0.9, 2.4)
 
 Corner = tuple[float, float, float]
@@ -42,16 +42,17 @@ def block(name: str, low: Corner, high: Corner, made: bpy.types.Material) -> Non
 
 
 def room() -> None:
-    """Open towards the camera, with a window of six panes on the left."""
+    """Closed but for a window of six panes on the left: outside, all air is in the sun."""
     plaster, wood = make.material("Plaster", (0.42, 0.4, 0.38)), make.material("Wood", (0.2, 0.12, 0.07))
     left, outside = -HALF, -HALF - THICK
-    block("Floor", (outside, -1.0, -THICK), (HALF + THICK, DEPTH, 0.0), wood)
-    block("Ceiling", (outside, -1.0, HEIGHT), (HALF + THICK, DEPTH, HEIGHT + THICK), plaster)
+    block("Floor", (outside, FRONT, -THICK), (HALF + THICK, DEPTH, 0.0), wood)
+    block("Ceiling", (outside, FRONT, HEIGHT), (HALF + THICK, DEPTH, HEIGHT + THICK), plaster)
     block("Back Wall", (outside, DEPTH, -THICK), (HALF + THICK, DEPTH + THICK, HEIGHT + THICK), plaster)
-    block("Right Wall", (HALF, -1.0, 0.0), (HALF + THICK, DEPTH, HEIGHT), plaster)
-    block("Left Wall Below", (outside, -1.0, 0.0), (left, DEPTH, WINDOW_Z[0]), plaster)
-    block("Left Wall Above", (outside, -1.0, WINDOW_Z[1]), (left, DEPTH, HEIGHT), plaster)
-    block("Left Wall Front", (outside, -1.0, WINDOW_Z[0]), (left, WINDOW_Y[0], WINDOW_Z[1]), plaster)
+    block("Front Wall", (outside, FRONT - THICK, -THICK), (HALF + THICK, FRONT, HEIGHT + THICK), plaster)
+    block("Right Wall", (HALF, FRONT, 0.0), (HALF + THICK, DEPTH, HEIGHT), plaster)
+    block("Left Wall Below", (outside, FRONT, 0.0), (left, DEPTH, WINDOW_Z[0]), plaster)
+    block("Left Wall Above", (outside, FRONT, WINDOW_Z[1]), (left, DEPTH, HEIGHT), plaster)
+    block("Left Wall Front", (outside, FRONT, WINDOW_Z[0]), (left, WINDOW_Y[0], WINDOW_Z[1]), plaster)
     block("Left Wall Back", (outside, WINDOW_Y[1], WINDOW_Z[0]), (left, DEPTH, WINDOW_Z[1]), plaster)
     bar, depth = 0.03, (outside + 0.07, outside + 0.13)
     for share in (1 / 3, 2 / 3):
@@ -108,9 +109,10 @@ def lights() -> None:
     sun = bpy.data.lights.new("Sun", "SUN")
     sun.energy, sun.angle, sun.color = 30.0, math.radians(0.526), (1.0, 0.9, 0.76)
     make.add("Sun", sun, (-5.0, 0.0, 5.0), Vector((0.85, 0.12, -0.34)).to_track_quat("-Z", "Y").to_euler())
-    sky = bpy.data.lights.new("Sky", "AREA")  # what comes in at the open side
-    sky.shape, sky.size, sky.size_y, sky.energy, sky.color = "RECTANGLE", 4.0, 2.4, 12.0, (0.75, 0.85, 1.0)
-    make.add("Sky", sky, (0.0, -0.9, 1.5), Vector((0.0, 1.0, 0.0)).to_track_quat("-Z", "Z").to_euler())
+    sky = bpy.data.lights.new("Sky", "AREA")  # what comes in by the window besides
+    sky.shape, sky.size, sky.size_y, sky.energy, sky.color = "RECTANGLE", 1.9, 1.4, 25.0, (0.75, 0.85, 1.0)
+    middle = (0.01 - HALF, 0.5 * sum(WINDOW_Y), 0.5 * sum(WINDOW_Z))
+    make.add("Sky", sky, middle, Vector((1.0, 0.0, 0.0)).to_track_quat("-Z", "Z").to_euler())
 
 
 def view() -> None:

@@ -140,7 +140,7 @@ def test_smoke_stands_in_air_as_in_cycles() -> None:
 def test_a_sun_in_a_volume_of_the_world_is_named() -> None:
     """Cycles blacks it out; here it is as bright as without."""
     place("SUN")
-    bpy.context.scene.cycles.max_bounces = 0
+    bpy.context.scene.cycles.use_denoising = False
     without = pictures.render(SIZE)[..., :3]
     assert not any("World" in line for line in said())
     (scatter,) = fill("VolumeScatter")
@@ -194,8 +194,7 @@ def test_values_that_cannot_be_are_refused_or_none() -> None:
         put(*fill("VolumeScatter"), Density=density)
         seen = pictures.render(SIZE)
         assert np.array_equal(seen, without), density
-        finite = density <= 0.0
-        assert any("left out" in line for line in said()) == (not finite), (density, said())
+        assert any("left out" in line for line in said()) == (density == float("inf")), (density, said())
     for anisotropy in (1.0, -1.0):
         place("POINT")
         put(*fill("VolumeScatter"), Density=0.1, Anisotropy=anisotropy)
@@ -261,7 +260,8 @@ def test_its_height_is_of_the_world() -> None:
     own.visibility, own.ground = 20.0, 4096.0
     for thing in bpy.context.scene.objects:
         thing.location.z += 4096.0
-    assert np.allclose(pictures.render(SIZE), here, rtol=1e-2, atol=1e-3)
+    moved = pictures.render(SIZE) - here  # Blender knows places in single precision
+    assert np.sqrt((moved**2).mean() / (here**2).mean()) < 2e-3
 
 
 def test_directed_shafts_multiply_what_the_air_scatters_alone() -> None:
