@@ -6,6 +6,7 @@
 #include "frame/layers.hpp"
 #include "frame/prepared.hpp"
 #include "maps/lighting.hpp"
+#include "media/fog.hpp"
 #include "media/medium.hpp"
 #include "media/particles.hpp"
 #include "scene/scene.hpp"
@@ -46,6 +47,7 @@ struct Content {
     std::vector<AirView> air;           // the world's comes first
     bool world_air = false;             // whether it is there
     int air_body = -1;                  // and which of the bodies it is; or none
+    std::vector<std::shared_ptr<const Fog>> fogs; // those that the camera sees come first
     bool grey = true;
     Lighting lighting;
 };
