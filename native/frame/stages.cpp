@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame/stages.hpp"
 
+#include "maps/project_fog.hpp"
 #include "maps/splat.hpp"
 #include "scene/scene.hpp"
 
@@ -30,7 +31,7 @@ bool lights_meet_bodies(const Scene & /*scene*/, const Content &content) {
     return !content.lighting.views().empty() && !content.lighting.bodies().empty();
 }
 
-// Grids first.
+// Grids first, hair last.
 std::vector<Body> bodies_of(const Making &making, Content &content) {
     std::vector<Body> bodies;
     for (const CroppedMedium &medium : content.media) {
@@ -38,6 +39,10 @@ std::vector<Body> bodies_of(const Making &making, Content &content) {
     }
     for (std::size_t i = 0; content.puffs && i < content.puffs->bodies.size(); ++i) {
         bodies.push_back(body_of(content.puffs, i));
+    }
+    content.first_fog = static_cast<int>(bodies.size());
+    for (const std::shared_ptr<const Fog> &fog : content.fogs) {
+        bodies.push_back(body_of(fog, std::max(making.settings.air_texels / 2, 1))); // the world is larger
     }
     if (content.world_air) {
         // What throws shadows in it.
@@ -118,6 +123,25 @@ constexpr std::array PARTS = {
                           content.air.push_back(view_of(air));
                           content.world_air = true;
                           content.grey = content.grey && is_grey(content.air.back());
+                      }
+                  }
+              }},
+    PartStage{"fog",
+              [](const Scene &scene, const Content & /*content*/) {
+                  return std::ranges::any_of(scene.air, [](const Air &air) { return air.shape != nullptr; });
+              },
+              [](const Making &making, Content &content) {
+                  content.fogs = fogs_of(making.scene.air, making.prepared.solids);
+                  const auto seen = [](const std::shared_ptr<const Fog> &fog) {
+                      return fog->air.visibility.seen == Seen::SHOWN;
+                  };
+                  std::stable_partition(content.fogs.begin(), content.fogs.end(), seen);
+                  for (const std::shared_ptr<const Fog> &fog : content.fogs) {
+                      const AirView view = view_of(fog->air);
+                      content.grey = content.grey && is_grey(view);
+                      if (seen(fog)) {
+                          content.air.push_back(view);
+                          content.fog_views.push_back(fog->view());
                       }
                   }
               }},

@@ -38,6 +38,19 @@ Series learned(const LightMap &map, const ColumnRays &rays) {
     return learn_basis(absorbers, ranges, map.series.count);
 }
 
+// Of a series of harmonics, how often a texel's number k is the coefficient.
+float per_number(const Series &series, std::size_t k) {
+    constexpr float PI = std::numbers::pi_v<float>;
+    switch (series.name) {
+    case FOURIER:
+        return PI * static_cast<float>(k + k % 2); // twice the number of the pair
+    case COSINE:
+        return PI * static_cast<float>(k);
+    default:
+        return 1.0F;
+    }
+}
+
 // A ray's series as a texel has it: LightMapView.
 void write_texel(const Series &series, bool shared, const ColumnRay &ray, std::span<float> c, float *texel) {
     std::fill(c.begin(), c.end(), 0.0F);
@@ -50,19 +63,15 @@ void write_texel(const Series &series, bool shared, const ColumnRay &ray, std::s
     float before = 0.0F;
     for (std::size_t k = 1; k < c.size(); ++k) {
         before += c[k - 1];
-        *texel++ = series.name == PIECEWISE ? before : c[k];
+        *texel++ = series.name == PIECEWISE ? before : c[k] / per_number(series, k);
     }
 }
 
 // The inverse: a total and numbers (integral_of() in rays/series_lanes.hpp) as coefficients.
 void read_texel(const Series &series, float total, std::span<const float> numbers, std::span<float> c) {
-    constexpr float PI = std::numbers::pi_v<float>;
     c[0] = series.name == FOURIER ? 2.0F * total : total;
     for (std::size_t k = 1; k < c.size(); ++k) {
-        const auto pair = static_cast<float>(k + k % 2); // twice the number of Fourier's pair
-        c[k] = numbers[k - 1] * (series.name == FOURIER  ? PI * pair
-                                 : series.name == COSINE ? PI * static_cast<float>(k)
-                                                         : 1.0F);
+        c[k] = numbers[k - 1] * per_number(series, k);
     }
     if (series.name == PIECEWISE) { // sums so far
         std::rotate(c.begin(), c.begin() + 1, c.end());

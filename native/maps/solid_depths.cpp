@@ -2,6 +2,7 @@
 // What stands on the rays of light maps.
 #include "maps/light_map.hpp"
 #include "maps/sheet_depths.hpp"
+#include "maps/texel_ray.hpp"
 #include "solids/all_hits.hpp"
 #include "text/lights_text.hpp"
 
@@ -22,23 +23,6 @@ using LightsText = text::LightsText<float>;
 
 constexpr float NOTHING_LEFT = 1e-5F; // of light: what is further behind does not count
 
-// The ray of a texel in the world: from depth 0 of the map, one depth long.
-struct TexelRay {
-    glm::dvec3 origin, along;
-};
-
-TexelRay texel_ray(const LightMap &map, const glm::dmat4 &light_to_world, int x, int y) {
-    const glm::dvec2 place((x + 0.5) / map.size.x, (y + 0.5) / map.size.y);
-    if (!map.radial) {
-        return {glm::dvec3(light_to_world * glm::dvec4(place, 0.0, 1.0)), glm::dvec3(light_to_world[2])};
-    }
-    const glm::dvec2 square = glm::dvec2(map.low) + place * glm::dvec2(map.high - map.low);
-    const glm::vec3 local =
-        LightsText().octahedral_direction({static_cast<float>(square.x), static_cast<float>(square.y)});
-    const glm::dvec3 direction = glm::dmat3(light_to_world) * glm::dvec3(local);
-    return {glm::dvec3(light_to_world[3]) + map.low.z * direction, (map.high.z - map.low.z) * direction};
-}
-
 // The map depth of the first place at which a solid could stand between light and smoke.
 double nearest_solid(const LightMap &map, const RayScene &solids, double nearest_distance) {
     if (map.radial) {
@@ -58,6 +42,18 @@ double nearest_solid(const LightMap &map, const RayScene &solids, double nearest
 }
 
 } // namespace
+
+TexelRay texel_ray(const LightMap &map, const glm::dmat4 &light_to_world, int x, int y) {
+    const glm::dvec2 place((x + 0.5) / map.size.x, (y + 0.5) / map.size.y);
+    if (!map.radial) {
+        return {glm::dvec3(light_to_world * glm::dvec4(place, 0.0, 1.0)), glm::dvec3(light_to_world[2])};
+    }
+    const glm::dvec2 square = glm::dvec2(map.low) + place * glm::dvec2(map.high - map.low);
+    const glm::vec3 local =
+        LightsText().octahedral_direction({static_cast<float>(square.x), static_cast<float>(square.y)});
+    const glm::dvec3 direction = glm::dmat3(light_to_world) * glm::dvec3(local);
+    return {glm::dvec3(light_to_world[3]) + map.low.z * direction, (map.high.z - map.low.z) * direction};
+}
 
 SolidDepths find_solids(const LightMap &map, const RayScene &solids, double nearest_distance) {
     SolidDepths depths(map.texels(), std::numeric_limits<float>::max());

@@ -293,7 +293,7 @@ Scene ConsoleScene::for_reference() const {
     require_plain(particles, "there is a visibility of particles", seen);
     require_plain(lights, "there is a reach of light", [](const Light &l) { return l.reach == Reach{}; });
     require_plain(lights, "there is a stretched cone of light", [](const Light &l) { return !l.oval; });
-    require_plain(air, "there is a shape of air", [](const Air &a) { return a.shape == nullptr; });
+    require_plain(air, "there is a visibility of air", seen);
     Scene scene = *this;
     for (std::size_t i = 0; i < sources.size(); ++i) {
         const auto &[density, colour, glow] = sources[i];

@@ -36,7 +36,7 @@ Ray camera_ray(const Camera &camera, double u, double v) {
     return ray;
 }
 
-// Whether any smoke is at a point, or glows there; air is everywhere.
+// Whether any smoke is at a point, or glows there; air may be everywhere.
 bool smoky(const Scene &scene, const glm::dvec3 &x) {
     return !scene.air.empty() || std::any_of(scene.media.begin(), scene.media.end(), [&](const Medium &medium) {
         return density(medium, x) > 0.0 || emission(medium, x) != glm::dvec3(0.0);
@@ -95,6 +95,11 @@ std::vector<double> step_ends(const Scene &scene, const Ray &ray, double end, co
     }
     for (const Particles &particles : scene.particles) {
         add(crossings(particles, ray.origin, ray.at(end)));
+    }
+    for (const Air &air : scene.air) {
+        if (air.shape) {
+            add(crossings(air, ray.origin, ray.at(end)));
+        }
     }
     std::sort(kinks.begin(), kinks.end());
     std::vector<double> ends{0.0};

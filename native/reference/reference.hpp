@@ -70,15 +70,26 @@ std::vector<double> crossings(const Particles &particles, const glm::dvec3 &from
 glm::dvec3 optical_depth(const Particles &particles, const glm::dvec3 &from, const glm::dvec3 &to);
 glm::dvec3 transmittance(const Particles &particles, const glm::dvec3 &from, const glm::dvec3 &to);
 
-// ---- The world's air (world_air.cpp) ----
+// ---- Air (world_air.cpp) ----
 
 glm::dvec3 transmittance(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to);
-// Towards a sun, whose irradiance is that which arrives: even air lets all of it through, and air that ends with height
+// Towards a sun, whose irradiance is that which arrives: even air of the world lets all of it through, and air that ends with height
 // what is left by that above.
 glm::dvec3 transmittance_to_infinity(const Air &air, const glm::dvec3 &from, const glm::dvec3 &towards);
 // What it scatters there at an angle, per metre and steradian, of light of irradiance 1; and what it emits, per metre.
 glm::dvec3 scattered(const Air &air, const glm::dvec3 &world, double cos_theta);
 glm::dvec3 emission(const Air &air, const glm::dvec3 &world);
+
+// ---- Air in a closed mesh (fog.cpp) ----
+
+// How often the mesh winds around a point, in one of its places, whichever way: 1 inside.
+double winding(const Air &air, std::size_t place, const glm::dvec3 &world);
+// How many of its places hold a point.
+double places_around(const Air &air, const glm::dvec3 &world);
+// Where along the segment from `from` (0) to `to` (1) it crosses a wall, in order.
+std::vector<double> crossings(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to);
+// The way inside along it, metres, as often as places overlap. Exact but for rounding.
+double way_inside(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to);
 
 // Through all smoke, particles and air.
 glm::dvec3 transmittance(const Scene &scene, const glm::dvec3 &from, const glm::dvec3 &to);

@@ -2,16 +2,21 @@
 #include "reference/reference.hpp"
 #include "scene/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
 
 namespace sfumato::reference {
 namespace {
 
 double density(const Air &air, const glm::dvec3 &world) {
+    if (air.shape) {
+        return places_around(air, world);
+    }
     return air.scale_height > 0.0F ? std::exp(-(world.z - double{air.ground}) / double{air.scale_height}) : 1.0;
 }
 
@@ -22,6 +27,9 @@ glm::dvec3 extinction(const Air &air) {
 } // namespace
 
 glm::dvec3 transmittance(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to) {
+    if (air.shape) {
+        return glm::exp(-extinction(air) * way_inside(air, from, to));
+    }
     double amount = glm::distance(from, to);
     if (air.scale_height > 0.0F) {
         // The mean of the density over a segment on which its exponent goes straight from 0 to x.
@@ -32,6 +40,15 @@ glm::dvec3 transmittance(const Air &air, const glm::dvec3 &from, const glm::dvec
 }
 
 glm::dvec3 transmittance_to_infinity(const Air &air, const glm::dvec3 &from, const glm::dvec3 &towards) {
+    if (air.shape) {
+        double far = 0.0;
+        for (const glm::mat4 &to_world : air.to_world) {
+            for (const glm::vec3 &vertex : air.shape->vertices) {
+                far = std::max(far, glm::distance(from, glm::dvec3(glm::dmat4(to_world) * glm::dvec4(vertex, 1.0))));
+            }
+        }
+        return transmittance(air, from, from + (1.0 + far) * towards);
+    }
     if (air.scale_height == 0.0F || extinction(air) == glm::dvec3(0.0)) {
         return glm::dvec3(1.0);
     }

@@ -2,6 +2,7 @@
 #include "solids/all_hits.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <tuple>
 
@@ -9,17 +10,6 @@ namespace sfumato {
 namespace {
 
 constexpr float NEAR = 1e-5F; // of the way, and of a triangle
-
-// Whether two hits are one: a ray through the edge between two triangles meets both.
-bool is_same(const PlaceView *places, const Hit &a, const Hit &b) {
-    const auto at_rim = [](const Hit &hit) { return std::min({hit.u, hit.v, 1.0F - hit.u - hit.v}) < NEAR; };
-    if (a.place != b.place) {
-        return false;
-    }
-    const std::uint32_t *const first = places[a.place].triangles + std::size_t{3} * a.triangle;
-    const std::uint32_t *const second = places[b.place].triangles + std::size_t{3} * b.triangle;
-    return at_rim(a) && at_rim(b) && std::find_first_of(first, first + 3, second, second + 3) != first + 3;
-}
 
 } // namespace
 
@@ -38,6 +28,16 @@ void note_hits(const RTCFilterFunctionNArguments *arguments) {
                         place, RTCHitN_primID(arguments->hit, count, i), RTCHitN_u(arguments->hit, count, i),
                         RTCHitN_v(arguments->hit, count, i)});
     }
+}
+
+bool is_same(const PlaceView *places, const Hit &a, const Hit &b) {
+    const auto at_rim = [](const Hit &hit) { return std::min({hit.u, hit.v, 1.0F - hit.u - hit.v}) < NEAR; };
+    if (a.place != b.place || std::abs(b.distance - a.distance) > NEAR * b.distance) {
+        return false;
+    }
+    const std::uint32_t *const first = places[a.place].triangles + std::size_t{3} * a.triangle;
+    const std::uint32_t *const second = places[b.place].triangles + std::size_t{3} * b.triangle;
+    return at_rim(a) && at_rim(b) && std::find_first_of(first, first + 3, second, second + 3) != first + 3;
 }
 
 void settle(const PlaceView *places, std::vector<Hit> &hits) {

@@ -22,6 +22,10 @@ struct Hit {
 // Embree's filter: every hit is noted in the vector of hits that asks, and refused, so that the ray goes on.
 void note_hits(const RTCFilterFunctionNArguments *arguments);
 
+// Whether two hits on one ray, one right behind the other, are one: a ray through the edge between two triangles meets
+// both.
+bool is_same(const PlaceView *places, const Hit &a, const Hit &b);
+
 // Lane by lane, near first; of each, one.
 void settle(const PlaceView *places, std::vector<Hit> &hits);
 

@@ -77,4 +77,11 @@ Divided::Divided(std::span<const Instances> meshes, Kept<Shape> &shapes) : meshe
     meshes_ = own_;
 }
 
+Divided Divided::sheets(std::span<const Instances> meshes) {
+    Divided out;
+    out.meshes_ = meshes;
+    out.sheet_.assign(meshes.size(), true);
+    return out;
+}
+
 } // namespace sfumato

@@ -56,22 +56,6 @@ glm::dmat3 cofactors(const glm::dmat3 &m) {
     return out * ((determinant < 0.0 ? -1.0 : 1.0) / largest);
 }
 
-PlaceView view_of(const Shape &shape, const glm::mat4 &to_world, std::int32_t first_material) {
-    PlaceView view;
-    const auto first = [](const auto &values) { return values.empty() ? nullptr : &values.front()[0].x; };
-    view.vertices = shape.vertices.empty() ? nullptr : &shape.vertices.front().x;
-    view.triangles = shape.triangles.empty() ? nullptr : &shape.triangles.front().x;
-    view.corner_normals = first(shape.corner_normals);
-    view.vertex_normals = shape.vertex_normals.empty() ? nullptr : &shape.vertex_normals.front().x;
-    view.corner_tangents = first(shape.corner_tangents);
-    view.material = shape.material.empty() ? nullptr : shape.material.data();
-    view.first_material = first_material;
-    const glm::dmat3 linear = glm::dmat3(glm::dmat4(to_world));
-    copy_columns(linear, view.to_world);
-    copy_columns(cofactors(linear), view.normals_to_world);
-    return view;
-}
-
 void put(std::span<float> row, int at, const glm::vec3 &colour) {
     std::copy_n(&colour.x, 3, row.begin() + at);
 }
@@ -152,6 +136,22 @@ bool stands(const Instances &mesh) {
 }
 
 } // namespace
+
+PlaceView view_of(const Shape &shape, const glm::mat4 &to_world, std::int32_t first_material) {
+    PlaceView view;
+    const auto first = [](const auto &values) { return values.empty() ? nullptr : &values.front()[0].x; };
+    view.vertices = shape.vertices.empty() ? nullptr : &shape.vertices.front().x;
+    view.triangles = shape.triangles.empty() ? nullptr : &shape.triangles.front().x;
+    view.corner_normals = first(shape.corner_normals);
+    view.vertex_normals = shape.vertex_normals.empty() ? nullptr : &shape.vertex_normals.front().x;
+    view.corner_tangents = first(shape.corner_tangents);
+    view.material = shape.material.empty() ? nullptr : shape.material.data();
+    view.first_material = first_material;
+    const glm::dmat3 linear = glm::dmat3(glm::dmat4(to_world));
+    copy_columns(linear, view.to_world);
+    copy_columns(cofactors(linear), view.normals_to_world);
+    return view;
+}
 
 Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape, bool sheet) : shape_(std::move(shape)) {
     const std::vector<glm::vec3> *vertices = &shape_->vertices;

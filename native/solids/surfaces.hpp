@@ -84,6 +84,7 @@ private:
 };
 
 RayScene view_of(const std::shared_ptr<const Places> &places);
+PlaceView view_of(const Shape &shape, const glm::mat4 &to_world, std::int32_t first_material);
 
 // All meshes of a scene, and which of them rays meet: those of the camera, and those that ask what hides a light. Where
 // nothing is left out these are one. What lets light through stands apart.
