@@ -4,6 +4,7 @@ marches in double precision."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from test_air import HG, QUAD, SIZE, down, error, judged, look, picture, place
 
-from sfumato import Frame, Mesh, Scene
+from sfumato import Frame, Mesh, Scene, Visibility
 
 FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 
@@ -73,13 +74,13 @@ def test_it_throws_a_shadow() -> None:
     np.testing.assert_allclose(found, 0.5 / np.pi * np.exp(-2.0), rtol=2e-3)
 
 
-LAMPS = {
+LAMPS: dict[str, Callable[[Scene], None]] = {
     "sun": lambda scene: scene.add_sun((0.5, 0.3, -1.0), (5, 4, 3)),
     "outside": lambda scene: scene.add_point((1.5, -1.2, 2.0), (30, 25, 20)),
     "inside": lambda scene: scene.add_point((0.3, 0.1, 0.2), (6, 5, 4)),
     "spot": lambda scene: scene.add_point((0, -0.5, 2.5), (60, 40, 20), direction=(0.1, 0.2, -1), cone=0.5, blend=0.3),
 }
-BETA = {"mie": (0.4, 0.7, 1.0), "absorption": (0.1, 0.1, 0.1), "anisotropy": 0.4}
+BETA: dict[str, Any] = {"mie": (0.4, 0.7, 1.0), "absorption": (0.1, 0.1, 0.1), "anisotropy": 0.4}
 
 
 @pytest.mark.parametrize("lamp", LAMPS)
@@ -119,8 +120,6 @@ def test_places_air_and_other_fog_add() -> None:
 
 
 def test_what_is_behind_an_unseen_fog_is_in_its_shadow() -> None:
-    from sfumato import Visibility
-
     scene = Scene()
     scene.add_sun((0, 0, -1), (1, 1, 1))
     scene.add_instances(QUAD, place((0, 0, -3), (8, 8, 1)), [[0.5, 0.5, 0.5]])
