@@ -12,11 +12,13 @@
 #include "lights/lights_lanes.hpp"
 #include "maps/arriving_lanes.hpp"
 #include "maps/sections_lanes.hpp"
+#include "media/fog_lanes.hpp"
 #include "text/camera_text.hpp"
 #include "text/lanes.hpp"
 #include "text/rays_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -27,13 +29,87 @@ namespace {
 using CameraText = text::CameraText<Real, Isa>;
 using Ray = CameraText::Ray;
 
-// Rays through air, of which one scatters here, and the world's takes light everywhere.
+// Where rays go through fogs: from wall to wall.
+class Walls {
+public:
+    Walls(const FrameView &frame, const Ray &ray, Real end, Mask asked) : amounts_(frame.fogs.size() * LANES, 0.0F) {
+        std::vector<Hit> hits;
+        std::vector<FogStretch> found;
+        for (std::size_t fog = 0; fog < frame.fogs.size(); ++fog) {
+            fog_stretches(frame.fogs[fog], ray.origin, ray.direction, end, asked, hits, found);
+            for (const FogStretch &stretch : found) {
+                std::vector<Wall> &walls = walls_[static_cast<std::size_t>(stretch.lane)];
+                walls.push_back({stretch.near, fog, 1.0F});
+                walls.push_back({stretch.far, fog, -1.0F});
+            }
+        }
+        for (std::vector<Wall> &walls : walls_) {
+            std::sort(walls.begin(), walls.end(), [](const Wall &a, const Wall &b) { return a.distance < b.distance; });
+        }
+    }
+
+    // Where each ray meets the next one; endless where there is none.
+    [[nodiscard]] Real next() const {
+        alignas(64) float distance[LANES];
+        for (std::size_t lane = 0; lane < LANES; ++lane) {
+            distance[lane] = next_[lane] < walls_[lane].size() ? walls_[lane][next_[lane]].distance : 1e30F;
+        }
+        return Real::load_aligned(distance);
+    }
+    // Through that, where it is no further than `upto`.
+    void pass(Real upto) {
+        alignas(64) float reached[LANES];
+        upto.store_aligned(reached);
+        for (std::size_t lane = 0; lane < LANES; ++lane) {
+            for (; next_[lane] < walls_[lane].size() && walls_[lane][next_[lane]].distance <= reached[lane];
+                 ++next_[lane]) {
+                const Wall &wall = walls_[lane][next_[lane]];
+                amounts_[wall.fog * LANES + lane] += wall.change;
+            }
+        }
+    }
+    // In how many places of a fog each ray is.
+    [[nodiscard]] Real amount(std::size_t fog) const { return Real::load_unaligned(amounts_.data() + fog * LANES); }
+
+private:
+    struct Wall {
+        float distance;
+        std::size_t fog;
+        float change;
+    };
+    std::array<std::vector<Wall>, LANES> walls_;
+    std::array<std::size_t, LANES> next_{};
+    std::vector<float> amounts_;
+};
+
+// What all air takes on the way to the eye. From `start` on fogs take so much a metre, up to the next wall.
+struct Taken {
+    Real start = 0.0F;
+    Real before[3] = {0.0F, 0.0F, 0.0F}, by_metre[3] = {0.0F, 0.0F, 0.0F};
+
+    void move(const FrameView &frame, const Walls &walls, Real to) {
+        const std::size_t first = frame.air.size() - frame.fogs.size();
+        for (int c = 0; c < 3; ++c) {
+            before[c] = before[c] + by_metre[c] * (to - start);
+            by_metre[c] = 0.0F;
+            for (std::size_t fog = 0; fog < frame.fogs.size(); ++fog) {
+                by_metre[c] = by_metre[c] + walls.amount(fog) * frame.air[first + fog].extinction[c];
+            }
+        }
+        start = to;
+    }
+};
+
+// Rays through air, of which one scatters here, the world's takes light everywhere, and fogs take some, too.
 struct Way {
     const FrameView &frame;
+    const Taken &fogs;
     const AirView &air; // that scatters
+    int body;           // its own, on whose maps solids are looked up; or none
     Ray ray;
     int colours; // that the optical depths have
 
+    [[nodiscard]] bool of_world() const { return &air == frame.world_air; }
     [[nodiscard]] vec3 place(Real t) const { return ray.origin + ray.direction * t; }
     // Of the air that scatters, metres as dense as at its ground.
     [[nodiscard]] Real column(Real t) const { return column_on(air, ray.origin, ray.direction, t); }
@@ -42,9 +118,13 @@ struct Way {
         Real of[3];
     };
     [[nodiscard]] Depth to_eye(Real t) const {
-        return in_world([&](const AirView &world) { return column_on(world, ray.origin, ray.direction, t); });
+        Depth depth = in_world([&](const AirView &world) { return column_on(world, ray.origin, ray.direction, t); });
+        for (int c = 0; c < colours; ++c) {
+            depth.of[c] = depth.of[c] + fogs.before[c] + fogs.by_metre[c] * (t - fogs.start);
+        }
+        return depth;
     }
-    // Towards a sample of a light.
+    // Towards a sample of a light, which knows by its maps what fogs take.
     [[nodiscard]] Depth to_light(const LightView &light, const glm::vec3 &sample, Real t) const {
         return in_world([&](const AirView &world) { return column_to(world, light, sample, place(t)); });
     }
@@ -72,14 +152,14 @@ struct Open {
 class Shine {
 public:
     Shine(const Way &way, const LightView &light)
-        : way_(way), light_(light), at_{&light, way.frame.extinctions, way.frame.air_body, way.colours == 1} {}
+        : way_(way), light_(light), at_{&light, way.frame.extinctions, way.body, way.colours == 1} {}
 
 protected:
     static constexpr float MOST = 1024.0F; // sections
 
     // The light's first map of what throws shadows in the air; null where it does not meet that.
     [[nodiscard]] const LightMapView *map() const {
-        const LightMapView *const map = way_.frame.air_body < 0 ? nullptr : light_.maps + way_.frame.air_body;
+        const LightMapView *const map = way_.body < 0 ? nullptr : light_.maps + way_.body;
         return map == nullptr || map->empty() ? nullptr : map;
     }
 
@@ -173,7 +253,7 @@ public:
             smoke = light_.maps[m].empty() || light_.maps[m].clear() ? nullptr : light_.maps + m;
         }
         for (std::size_t j = 0; j < light_.samples.size(); ++j) {
-            const LightMapView &solids = light_.maps[j * bodies + static_cast<std::size_t>(way_.frame.air_body)];
+            const LightMapView &solids = light_.maps[j * bodies + static_cast<std::size_t>(way_.body)];
             const Real weight = sample_share(light_, light_.samples[j], way_.ray.origin);
             const LineOnMap line = line_on(solids, way_.ray.origin, way_.ray.direction, from, to);
             for_lit_sections(line, from, to, to > from, MapHeights(solids.tree, line), 1e6F,
@@ -221,9 +301,11 @@ private:
         }
     }
 
-    // So many that a section crosses no more than two texels of the map.
-    [[nodiscard]] int sections(const LightMapView *map, Real from, Real to) const {
-        constexpr float FEWEST = 1.0F, TEXELS = 2.0F;
+    // So many that a section crosses no more than two texels of the map; or, where solids are no concern of it, sixteen
+    // of a fog's own, whose columns change slowly but at its walls.
+    [[nodiscard]] int sections(const LightMapView *map, const ArrivingAt &at, Real from, Real to) const {
+        constexpr float FEWEST = 1.0F, TEXELS = 2.0F, OF_FOG = 16.0F;
+        const float texels_each = !way_.of_world() && at.own < 0 && map == this->map() ? OF_FOG : TEXELS;
         const Real length = max(to - from, 0.0F);
         Real count = FEWEST;
         if (map != nullptr) {
@@ -235,7 +317,7 @@ private:
                 max(abs(along.x) * static_cast<float>(map->width), abs(along.y) * static_cast<float>(map->height));
             const Real deep = abs(along.z) * static_cast<float>(std::max(map->width, map->height));
             const Real texels = length * pick(middle.z >= 1.0F, across, max(across, deep));
-            count = pick(beside, count, max(texels * (1.0F / TEXELS), count));
+            count = pick(beside, count, max(texels * (1.0F / texels_each), count));
         }
         return static_cast<int>(std::ceil(std::min(highest(pick(length > 0.0F, count, 0.0F)), MOST)));
     }
@@ -244,7 +326,7 @@ private:
         const Mask asked = to > from;
         const Real length = pick(asked, to - from, 0.0F);
         const auto place = [&](float x) { return from + length * x; };
-        in_sections(at, asked, sections(map, from, to), place,
+        in_sections(at, asked, sections(map, at, from, to), place,
                     [&](float x0, float x1, const Open &before, const Open &after) {
                         if (any(before, after)) {
                             add_section(place(x0), place(x1), before, after, sum);
@@ -285,7 +367,7 @@ public:
         const float squeeze = (1.0F - way_.air.anisotropy) / (1.0F + way_.air.anisotropy);
         // Where air ends with height, none is so thin that its end is known.
         const glm::vec3 &e = way_.air.extinction;
-        const float least = way_.air.even() ? std::min({e.x, e.y, e.z}) : 0.0F;
+        const float least = way_.of_world() && way_.air.even() ? std::min({e.x, e.y, e.z}) : 0.0F;
         Real begin = from - foot_;
         Real end = min(to - foot_, AirText().lit_until(distance_, begin, least, squeeze));
         cut_at_cone(begin, end);
@@ -409,17 +491,73 @@ void sent_between(const Way &way, Real from, Real to, Real (&sum)[3]) {
     }
 }
 
-void leave_knot(const Way &way, Real t, const Real (&radiance)[3], AirKnots &knots) {
+// What all air on rays sends, and takes.
+class AllAir {
+public:
+    AllAir(const FrameView &frame, const Ray &ray, Real end, Mask asked)
+        : frame_(frame), ray_(ray), walls_(frame, ray, end, asked) {}
+
+    // On to another place.
+    void go(Real to) {
+        for (bool met = true; met;) {
+            const Real wall = walls_.next(), upto = min(wall, to);
+            met = xsimd::any(wall <= to);
+            add(upto);
+            walls_.pass(upto);
+            taken_.move(frame_, walls_, upto);
+            at_ = upto;
+        }
+    }
+
+    void leave_knot(AirKnots &knots) const;
+
+private:
+    void add(Real to) {
+        const std::size_t first = frame_.air.size() - frame_.fogs.size();
+        for (std::size_t i = 0; i < frame_.air.size(); ++i) {
+            Real part[3] = {0.0F, 0.0F, 0.0F};
+            if (i < first) {
+                sent_between(way(i, frame_.air_body), at_, to, part);
+                keep(part, 1.0F);
+                continue;
+            }
+            const Real amount = walls_.amount(i - first);
+            const Real end = pick(amount > 0.0F, to, at_);
+            if (xsimd::any(end > at_)) {
+                sent_between(way(i, frame_.first_fog + static_cast<int>(i - first)), at_, end, part);
+                keep(part, amount);
+            }
+        }
+    }
+    void keep(const Real (&part)[3], Real amount) {
+        for (int c = 0; c < 3; ++c) {
+            radiance_[c] = radiance_[c] + part[c] * amount;
+        }
+    }
+    [[nodiscard]] Way way(std::size_t air, int body) const {
+        return {frame_, taken_, frame_.air[air], body, ray_, frame_.grey ? 1 : 3};
+    }
+
+    const FrameView &frame_;
+    const Ray &ray_;
+    Walls walls_;
+    Taken taken_;
+    Real at_ = 0.0F;
+    Real radiance_[3] = {0.0F, 0.0F, 0.0F};
+};
+
+void AllAir::leave_knot(AirKnots &knots) const {
     const auto keep = [&knots](Real value) {
         knots.values.resize(knots.values.size() + MAX_LANES);
         value.store_unaligned(knots.values.data() + (knots.values.size() - MAX_LANES));
     };
-    keep(t);
-    for (const Real &value : radiance) {
+    keep(at_);
+    for (const Real &value : radiance_) {
         keep(value);
     }
-    const Way::Depth depth = way.to_eye(t);
-    for (int c = 0; c < way.colours; ++c) {
+    const Way any = way(0, -1);
+    const Way::Depth depth = any.to_eye(at_);
+    for (int c = 0; c < any.colours; ++c) {
         keep(depth.of[c]);
     }
     ++knots.count;
@@ -469,18 +607,15 @@ void trace_air(const FrameView &frame, const Packet &packet, Layers &out) {
     const Ray ray = CameraText().camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]),
                                             broadcast(c[4]), broadcast(c[5]), u, v);
     const Real end = Real::load_aligned(out.distance) * Real::load_aligned(packet.active);
-    const Way way{frame, frame.air.front(), ray, frame.grey ? 1 : 3};
     Events &events = *out.events;
-    Real radiance[3] = {0.0F, 0.0F, 0.0F};
-    Real at = 0.0F;
-    leave_knot(way, at, radiance, events.air);
+    AllAir air(frame, ray, end, Real::load_aligned(packet.active) > 0.0F);
+    air.leave_knot(events.air);
     const auto go = [&](Real to) {
-        sent_between(way, at, to, radiance);
-        at = to;
-        leave_knot(way, at, radiance, events.air);
+        air.go(to);
+        air.leave_knot(events.air);
     };
     if (events.any() || events.knots.count > 0) {
-        const Stretch stretch = met(events, end, way.colours);
+        const Stretch stretch = met(events, end, frame.grey ? 1 : 3);
         for (int i = 0; i <= STEPS; ++i) {
             go(stretch.from + (stretch.to - stretch.from) * (static_cast<float>(i) * (1.0F / STEPS)));
         }

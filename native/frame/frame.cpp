@@ -54,6 +54,8 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
     if (wanted.has(Layer::SMOKE)) {
         view.air = content_.air;
         view.air_body = content_.air_body;
+        view.fogs = content_.fog_views;
+        view.first_fog = content_.first_fog;
         view.sorted = view.sorted || !view.air.empty();
     }
     if (wanted.has(Layer::SMOKE) && content_.puffs && content_.puffs->seen > 0) {

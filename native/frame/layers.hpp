@@ -6,6 +6,7 @@
 #include "frame/events.hpp"
 #include "lights/light.hpp"
 #include "media/air.hpp"
+#include "media/fog_view.hpp"
 #include "media/medium_view.hpp"
 #include "media/particle_view.hpp"
 #include "media/strand_view.hpp"
@@ -40,7 +41,9 @@ struct FrameView {
     std::span<const glm::vec3> extinctions; // of all bodies that have light maps
     bool grey = true;                       // all of these are: one march serves all colours
     StrandsView strands;
-    std::span<const AirView> air;       // the world's comes first
+    std::span<const AirView> air;       // the world's comes first, then that of
+    std::span<const FogView> fogs;      // these,
+    int first_fog = 0;                  // whose bodies begin here
     const AirView *world_air = nullptr; // it, or null
     int air_body = -1;                  // of the world's air, among the bodies; or none
     glm::vec3 background{0.0F};

@@ -40,8 +40,9 @@ std::vector<Body> bodies_of(const Making &making, Content &content) {
     for (std::size_t i = 0; content.puffs && i < content.puffs->bodies.size(); ++i) {
         bodies.push_back(body_of(content.puffs, i));
     }
+    content.first_fog = static_cast<int>(bodies.size());
     for (const std::shared_ptr<const Fog> &fog : content.fogs) {
-        bodies.push_back(body_of(fog, making.settings.air_texels));
+        bodies.push_back(body_of(fog, std::max(making.settings.air_texels / 2, 1))); // the world is larger
     }
     if (content.world_air) {
         // What throws shadows in it.
@@ -126,12 +127,17 @@ constexpr std::array PARTS = {
               },
               [](const Making &making, Content &content) {
                   content.fogs = fogs_of(making.scene.air, making.prepared.solids);
-                  std::ranges::stable_partition(content.fogs, [](const std::shared_ptr<const Fog> &fog) {
+                  const auto seen = [](const std::shared_ptr<const Fog> &fog) {
                       return fog->air.visibility.seen == Seen::SHOWN;
-                  });
+                  };
+                  std::stable_partition(content.fogs.begin(), content.fogs.end(), seen);
                   for (const std::shared_ptr<const Fog> &fog : content.fogs) {
-                      const glm::vec3 taken = fog->extinction();
-                      content.grey = content.grey && taken.x == taken.y && taken.x == taken.z;
+                      const AirView view = view_of(fog->air);
+                      content.grey = content.grey && is_grey(view);
+                      if (seen(fog)) {
+                          content.air.push_back(view);
+                          content.fog_views.push_back(fog->view());
+                      }
                   }
               }},
     PartStage{"lights", [](const Scene &scene, const Content & /*content*/) { return !scene.lights.empty(); },

@@ -41,13 +41,15 @@ struct FrameSettings {
 struct Content {
     std::optional<Surfaces> surfaces;
     std::vector<Strands> strands;
-    std::vector<CroppedMedium> media;   // those that are not empty
-    std::size_t seen_media = 0;         // those that the camera sees come first
-    std::shared_ptr<const Puffs> puffs; // null where there are none
-    std::vector<AirView> air;           // the world's comes first
-    bool world_air = false;             // whether it is there
-    int air_body = -1;                  // and which of the bodies it is; or none
+    std::vector<CroppedMedium> media;             // those that are not empty
+    std::size_t seen_media = 0;                   // those that the camera sees come first
+    std::shared_ptr<const Puffs> puffs;           // null where there are none
+    std::vector<AirView> air;                     // the world's comes first
+    bool world_air = false;                       // whether it is there
+    int air_body = -1;                            // and which of the bodies it is; or none
     std::vector<std::shared_ptr<const Fog>> fogs; // those that the camera sees come first
+    std::vector<FogView> fog_views;               // of these; so does `air` after the world's
+    int first_fog = 0;                            // among the bodies
     bool grey = true;
     Lighting lighting;
 };

@@ -58,7 +58,7 @@ std::optional<Body> air_body(const Surfaces &surfaces, std::span<const Body> bod
     const glm::dvec3 low = box->low - cell;
     extent += 2.0 * cell;
     Body body;
-    body.clear = true;
+    body.clear = body.followed = true;
     for (int axis = 0; axis < 3; ++axis) {
         body.cells_to_world[axis][axis] = cell;
     }

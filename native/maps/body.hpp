@@ -31,6 +31,7 @@ struct Body {
     bool takes_light = true; // else it only glows, and no light is asked about it
     bool scatters = true;    // else no light is asked what it is worth in it: hair
     bool clear = false;      // of its light rays only solids are known: the world's air
+    bool followed = false;   // the camera's rays are followed across its maps: air and fog
     // What its columns are made of; and a plan's map of them. Both may be called on any thread, at any later time.
     std::function<void(Key &)> identify;
     std::function<LightMap(LightMap plan, const InstructionSet &with)> project;

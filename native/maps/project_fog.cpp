@@ -122,6 +122,7 @@ Body body_of(const std::shared_ptr<const Fog> &fog, int texels) {
         glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(box.low) - around), glm::dvec3(body.cell_size));
     body.extinction = fog->extinction();
     body.visibility = fog->air.visibility;
+    body.followed = true;
     const glm::vec3 &most = body.extinction;
     body.takes_light = std::max({most.x, most.y, most.z}) > 0.0F;
     body.identify = [shape = fog->air.shape, to_world = fog->air.to_world](Key &key) {

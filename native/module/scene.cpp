@@ -21,30 +21,6 @@ namespace {
 
 using namespace arguments;
 
-std::vector<glm::mat4> places(const Doubles &to_world) {
-    const bool one = to_world.ndim() == 2;
-    const py::ssize_t count = one ? 1 : to_world.ndim() == 3 ? to_world.shape(0) : 0;
-    const bool fits = (one || to_world.ndim() == 3) && to_world.shape(to_world.ndim() - 1) == 4 &&
-                      to_world.shape(to_world.ndim() - 2) == 4;
-    if (!fits) {
-        throw py::value_error("to_world has shape " + shape_of(to_world) + ", but must have (4, 4) or (any, 4, 4)");
-    }
-    require_range(to_world, -1e30, 1e30, "to_world");
-    std::vector<glm::mat4> out;
-    out.reserve(static_cast<std::size_t>(count));
-    for (py::ssize_t i = 0; i < count; ++i) {
-        const double *const m = to_world.data() + 16 * i;
-        glm::mat4 &matrix = out.emplace_back();
-        for (int row = 0; row < 4; ++row) {
-            for (int column = 0; column < 4; ++column) {
-                matrix[column][row] = static_cast<float>(m[4 * row + column]);
-            }
-        }
-        require_affine(matrix, 16 * i, "to_world");
-    }
-    return out;
-}
-
 // Numbers for a compositor, one for each of `count`.
 std::vector<std::uint32_t> numbers(const std::optional<Doubles> &array, std::size_t count, const std::string &name) {
     if (!array) {
@@ -341,6 +317,30 @@ py::array_t<float> corners(const Camera &camera) {
 
 } // namespace
 
+std::vector<glm::mat4> places(const Doubles &to_world) {
+    const bool one = to_world.ndim() == 2;
+    const py::ssize_t count = one ? 1 : to_world.ndim() == 3 ? to_world.shape(0) : 0;
+    const bool fits = (one || to_world.ndim() == 3) && to_world.shape(to_world.ndim() - 1) == 4 &&
+                      to_world.shape(to_world.ndim() - 2) == 4;
+    if (!fits) {
+        throw py::value_error("to_world has shape " + shape_of(to_world) + ", but must have (4, 4) or (any, 4, 4)");
+    }
+    require_range(to_world, -1e30, 1e30, "to_world");
+    std::vector<glm::mat4> out;
+    out.reserve(static_cast<std::size_t>(count));
+    for (py::ssize_t i = 0; i < count; ++i) {
+        const double *const m = to_world.data() + 16 * i;
+        glm::mat4 &matrix = out.emplace_back();
+        for (int row = 0; row < 4; ++row) {
+            for (int column = 0; column < 4; ++column) {
+                matrix[column][row] = static_cast<float>(m[4 * row + column]);
+            }
+        }
+        require_affine(matrix, 16 * i, "to_world");
+    }
+    return out;
+}
+
 void bind_scene(py::module_ &m) {
     py::class_<ConsoleScene>(m, "Scene", R"(Meshes, smoke and lights.
 
@@ -481,6 +481,25 @@ seen itself: that is add_mesh's emission. Raises ValueError for corners that are
 edges cross.
 
 >>> Scene().add_polygon([[0, 0, 3], [1, 0, 3], [0, 1, 3]], (4, 4, 4))
+)")
+        .def("add_fog", &add_fog, py::arg("mesh"), py::arg("to_world"),
+             py::arg("rayleigh") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+             py::arg("mie") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+             py::arg("absorption") = std::array<float, 3>{0.0F, 0.0F, 0.0F},
+             py::arg("emission") = std::array<float, 3>{0.0F, 0.0F, 0.0F}, py::arg("anisotropy") = 0.0F,
+             py::arg("phase") = "henyey-greenstein", py::arg("tint") = std::array<float, 3>{1.0F, 1.0F, 1.0F},
+             py::arg("visibility") = py::none(),
+             R"(Fill a closed Mesh, convex or not, with fog: even air that is as set_air has it, and dims all light that
+comes through it.
+
+mesh, whose surface is no part of it; to_world (4, 4) or (n, 4, 4), metres, its places: where two overlap, as where other
+fog, smoke or air is, densities add. Where shells of one mesh overlap it is filled once. visibility, 'shown' or 'unseen',
+and its lights. Of an open mesh only what lies between its front and its back on a ray is filled; what is flat holds none.
+Raises ValueError for wrong shapes and values that are not finite or not in range.
+
+>>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+>>> import numpy as np
+>>> Scene().add_fog(Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), np.eye(4), mie=(1, 1, 1))
 )")
         .def(
             "set_air", &set_air, py::arg("rayleigh") = std::array<float, 3>{0.0F, 0.0F, 0.0F},

@@ -74,5 +74,12 @@ std::size_t add_strands(ConsoleScene &scene, const arguments::Floats &points, co
 void set_air(ConsoleScene &scene, const arguments::Floats &rayleigh, const arguments::Floats &mie,
              const arguments::Floats &absorption, const arguments::Floats &emission, float anisotropy,
              const std::string &phase, float scale_height, float ground, const arguments::Floats &tint);
+void add_fog(ConsoleScene &scene, const CheckedMesh &mesh, const arguments::Doubles &to_world,
+             const arguments::Floats &rayleigh, const arguments::Floats &mie, const arguments::Floats &absorption,
+             const arguments::Floats &emission, float anisotropy, const std::string &phase,
+             const arguments::Floats &tint, const std::optional<Visibility> &visibility);
+
+// Matrices (4, 4) or (n, 4, 4).
+std::vector<glm::mat4> places(const arguments::Doubles &to_world);
 
 } // namespace sfumato

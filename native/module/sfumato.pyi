@@ -356,6 +356,22 @@ class Scene:
         into the whole angle spread, radians, in which it fades as 1 - tan(angle) / tan(spread / 2). Raises
         ValueError for a light without area, and for axes that are not at right angles.
         """
+    def add_fog(
+        self,
+        mesh: Mesh,
+        to_world: ArrayLike,
+        rayleigh: ArrayLike = [0.0, 0.0, 0.0],
+        mie: ArrayLike = [0.0, 0.0, 0.0],
+        absorption: ArrayLike = [0.0, 0.0, 0.0],
+        emission: ArrayLike = [0.0, 0.0, 0.0],
+        anisotropy: float = 0.0,
+        phase: str = "henyey-greenstein",
+        tint: ArrayLike = [1.0, 1.0, 1.0],
+        visibility: Visibility | None = None,
+    ) -> None:
+        """Fill a closed Mesh, convex or not, with fog: even air that is as set_air has it, and dims all light that
+        comes through it.
+        """
     def add_instances(
         self,
         mesh: Mesh,

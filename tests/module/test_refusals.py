@@ -96,6 +96,7 @@ VALUES: dict[str, Any] = {
     "Scene.add_strands.points": [[0, 0, 0], [0, 0, 1]],
     "Scene.add_strands.radius": [0.01, 0.01],
     "first": [0, 2],
+    "Scene.add_fog.emission": (1, 1, 1),
     "Scene.set_air.emission": (1, 1, 1),
     "RayStorage.transmittance.texels": STORAGE.store(RAYS, RAYS),
     "transmittance.coefficients": sfumato.project(RAYS, RAYS),

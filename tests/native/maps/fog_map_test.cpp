@@ -31,9 +31,8 @@ Errors compare(const Air &air, const LightMapSettings &settings, const glm::dvec
     Solids solids;
     const auto fogs = fogs_of(std::span(&air, 1), solids);
     const Body body = body_of(fogs.at(0), 512);
-    const LightMap map =
-        body.project(radial ? plan_radial_map(body, light, settings) : plan_parallel_map(body, light, settings),
-                     instruction_set());
+    const LightMap map = body.project(
+        radial ? plan_radial_map(body, light, settings) : plan_parallel_map(body, light, settings), instruction_set());
     coefficients = map.series.count;
     std::mt19937 generator(11);
     std::uniform_real_distribution<double> unit(-2.2, 2.2);
@@ -86,8 +85,8 @@ TEST(FogMap, OfABoxIsExact) {
         glm::dvec3 light;
         bool radial;
     };
-    for (const auto &[light, radial] : {Case{SLANTING, false}, Case{{0, 0, -1}, false}, Case{{2, 1, 3}, true},
-                                        Case{{0.3, 0.1, 0.2}, true}}) {
+    for (const auto &[light, radial] :
+         {Case{SLANTING, false}, Case{{0, 0, -1}, false}, Case{{2, 1, 3}, true}, Case{{0.3, 0.1, 0.2}, true}}) {
         std::size_t coefficients = 0;
         const Errors errors = compare(air, {}, light, radial, coefficients);
         EXPECT_EQ(coefficients, 1U);

@@ -92,9 +92,9 @@ TEST(Fog, OfShellsThatOverlapInOneMeshIsOnce) {
 }
 
 TEST(Fog, OfPlacesThatAreTurnedStretchedAndMirroredAdds) {
-    expect_as_the_judge(air_in(torus_shape(1.5F, 0.5F, 12, 6), {turned(0.7F, {0.2F, 0, 0}, {1, 0.7F, 1.3F}),
-                                                                turned(2.1F, {0, 0.4F, 0}, {-1, 1, 1}),
-                                                                turned(4.0F, {1, 0, 0.2F}, {0.5F, -0.5F, -0.5F})}),
+    expect_as_the_judge(air_in(torus_shape(1.5F, 0.5F, 12, 6),
+                               {turned(0.7F, {0.2F, 0, 0}, {1, 0.7F, 1.3F}), turned(2.1F, {0, 0.4F, 0}, {-1, 1, 1}),
+                                turned(4.0F, {1, 0, 0.2F}, {0.5F, -0.5F, -0.5F})}),
                         200);
 }
 
@@ -126,7 +126,7 @@ TEST(Fog, OfAnOpenMeshLiesBetweenAFrontAndABackAlone) {
     Solids solids;
     const auto fogs = fogs_of(std::span(&air, 1), solids);
     EXPECT_FLOAT_EQ(static_cast<float>(way(*fogs[0], {{-3, 0, 0}, {1, 0, 0}}, 10.0)), 2.0F);
-    EXPECT_EQ(stretches(*fogs[0], {{0.1F, 0.2F, 3}, {0, 0, -1}}).size(), 0U);  // comes in by the hole
+    EXPECT_EQ(stretches(*fogs[0], {{0.1F, 0.2F, 3}, {0, 0, -1}}).size(), 0U); // comes in by the hole
     EXPECT_EQ(stretches(*fogs[0], {{0.1F, 0.2F, -3}, {0, 0, 1}}).size(), 0U); // leaves by it
 }
 
