@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -71,4 +72,55 @@ class SfumatoAddSmoke(bpy.types.Operator):
             return {"CANCELLED"}
         other = compositor.add_smoke(scene, context.view_layer)
         self.report({"INFO"}, f"The smoke is in the scene '{other.name}' now, and over the picture of each render")
+        return {"FINISHED"}
+
+
+@dataclass(frozen=True)
+class _Preset:
+    label: str
+    description: str
+    values: dict[str, Any]
+
+
+_EVEN = {"color": (1.0, 1.0, 1.0), "scale_height": 0.0}
+AIRS = {
+    "CLEAR": _Preset(
+        "Clear Day",
+        "Air at sea level, as one sees it over many kilometres: of Intel's sample Light Scattering (Yusov 2013)",
+        {**_EVEN, "visibility": 3.912 / 2e-5, "rayleigh": 1.0, "anisotropy": 0.98, "phase": "henyey-greenstein"},
+    ),
+    "HAZE": _Preset(
+        "Haze",
+        "Damp air in which one sees 5 km far, thinner with height",
+        {**_EVEN, "visibility": 5e3, "rayleigh": 1.0, "anisotropy": 0.76, "phase": "cornette-shanks",
+         "scale_height": 1200.0},
+    ),
+    "DUST": _Preset(
+        "Dusty Room",
+        "Air that shows the light of a window or a lamp in a room",
+        {**_EVEN, "visibility": 100.0, "rayleigh": 0.0, "anisotropy": 0.6, "phase": "henyey-greenstein"},
+    ),
+}  # fmt: skip
+
+
+class SfumatoSetAir(bpy.types.Operator):
+    """Set what fills the world to one of these"""
+
+    bl_idname = "sfumato.set_air"
+    bl_label = "Presets"
+    bl_options = {"REGISTER", "UNDO"}
+
+    preset: bpy.props.EnumProperty(  # type: ignore[valid-type]
+        name="Preset", items=tuple((name, each.label, each.description) for name, each in AIRS.items())
+    )
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.scene.world is not None
+
+    def execute(self, context: Any) -> set[str]:
+        own = props.of_air(context.scene.world)
+        for name, value in AIRS[self.preset].values.items():
+            setattr(own, name, value)
+        own.shown = True
         return {"FINISHED"}

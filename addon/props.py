@@ -61,8 +61,8 @@ class SfumatoSettings(bpy.types.PropertyGroup):
 
 
 def _changed(own: bpy.types.PropertyGroup, _context: Any) -> None:
-    """What a script sets reaches no view by itself. The particles stay where they are: another tag would have them
-    simulated anew."""
+    """What a script sets reaches no view by itself. Particles stay where they are: another tag would have them simulated
+    anew."""
     own.id_data.update_tag()
 
 
@@ -112,24 +112,129 @@ class SfumatoParticles(bpy.types.PropertyGroup):
     )
 
 
+class SfumatoAir(bpy.types.PropertyGroup):
+    """Of a world: what fills it where its own nodes have no volume. addon/export/air.py reads it."""
+
+    shown: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Air",
+        description="Fill the world with air that scatters the light of lamps on its way, so that light shafts are seen. "
+        "A volume in the world's own nodes is shown in any case, and instead of this",
+        default=False,
+        update=_changed,
+    )
+    visibility: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Visibility",
+        description="How far one sees: where haze leaves 2 % of a contrast. The haze takes 3.912 over this of the light "
+        "at each metre",
+        default=100.0,
+        min=0.01,
+        soft_max=1e5,
+        max=1e9,
+        subtype="DISTANCE",
+        update=_changed,
+    )
+    color: bpy.props.FloatVectorProperty(  # type: ignore[valid-type]
+        name="Color",
+        description="Of the light that haze takes, the share that it scatters; the rest it absorbs",
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        max=1.0,
+        subtype="COLOR",
+        update=_changed,
+    )
+    anisotropy: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Anisotropy",
+        description="Whether haze scatters light forward, above 0, or back",
+        default=0.6,
+        min=-0.999,
+        max=0.999,
+        update=_changed,
+    )
+    phase: bpy.props.EnumProperty(  # type: ignore[valid-type]
+        name="Phase",
+        description="How haze spreads what it scatters",
+        items=(
+            ("henyey-greenstein", "Henyey-Greenstein", "As volume shaders do"),
+            ("cornette-shanks", "Cornette-Shanks", "As water droplets do: at an anisotropy of 0 as molecules"),
+        ),
+        update=_changed,
+    )
+    rayleigh: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Molecules",
+        description="How many times as much as the air at sea level its molecules scatter, of which it is blue. At 1 that "
+        "is seen over many kilometres",
+        default=0.0,
+        min=0.0,
+        soft_max=1000.0,
+        max=1e9,
+        update=_changed,
+    )
+    scale_height: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Height",
+        description="The height over which all of it becomes 2.718 times thinner; 0: it is even",
+        default=0.0,
+        min=0.0,
+        soft_max=1e4,
+        subtype="DISTANCE",
+        update=_changed,
+    )
+    ground: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Ground",
+        description="The height, along Z, at which it is as thick as said; below it is thicker still",
+        default=0.0,
+        subtype="DISTANCE",
+        update=_changed,
+    )
+    directed: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Art-Directed Shafts",
+        description="Multiply the light that the air scatters, which no air does",
+        default=False,
+        update=_changed,
+    )
+    shaft_strength: bpy.props.FloatProperty(  # type: ignore[valid-type]
+        name="Strength",
+        description="How many times as bright as it should be what the air scatters is",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+        update=_changed,
+    )
+    shaft_color: bpy.props.FloatVectorProperty(  # type: ignore[valid-type]
+        name="Color",
+        description="In which color, times that of the light, what the air scatters is",
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        max=1.0,
+        subtype="COLOR",
+        update=_changed,
+    )
+
+
+_CLASSES = {SfumatoSettings: bpy.types.Scene, SfumatoParticles: bpy.types.ParticleSettings, SfumatoAir: bpy.types.World}
+
+
 def register() -> None:
-    bpy.utils.register_class(SfumatoSettings)
-    bpy.utils.register_class(SfumatoParticles)
-    bpy.types.Scene.sfumato = bpy.props.PointerProperty(type=SfumatoSettings)
-    bpy.types.ParticleSettings.sfumato = bpy.props.PointerProperty(type=SfumatoParticles)
+    for own, owner in _CLASSES.items():
+        bpy.utils.register_class(own)
+        owner.sfumato = bpy.props.PointerProperty(type=own)
 
 
 def unregister() -> None:
-    del bpy.types.ParticleSettings.sfumato
-    del bpy.types.Scene.sfumato
-    bpy.utils.unregister_class(SfumatoParticles)
-    bpy.utils.unregister_class(SfumatoSettings)
+    for own, owner in reversed(_CLASSES.items()):
+        del owner.sfumato
+        bpy.utils.unregister_class(own)
 
 
 def of(scene: Any) -> SfumatoSettings:
     """The settings of a scene."""
     settings: SfumatoSettings = scene.sfumato
     return settings
+
+
+def of_air(world: Any) -> SfumatoAir:
+    """Those of a world."""
+    own: SfumatoAir = world.sfumato
+    return own
 
 
 def of_particles(settings: Any) -> SfumatoParticles:

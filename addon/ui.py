@@ -10,6 +10,7 @@ import blf
 import bpy
 
 from . import core, log, ops, passes, props
+from .export import air
 from .view import overlay
 
 ENGINE = "SFUMATO"
@@ -241,6 +242,66 @@ class SfumatoParticlesPanel(bpy.types.Panel):
             layout.prop(own, name)
 
 
+class SfumatoAirPanel(bpy.types.Panel):
+    """In whatever engine, as that of particles."""
+
+    bl_idname = "SFUMATO_PT_air"
+    bl_label = "Sfumato: Air"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "world"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.scene.world is not None
+
+    def draw_header(self, context: Any) -> None:
+        self.layout.prop(props.of_air(context.scene.world), "shown", text="")
+
+    def draw(self, context: Any) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        own = props.of_air(context.scene.world)
+        has_own = air.has_volume(context.scene.world)
+        if has_own:
+            draw_wrapped(layout, "The world's own nodes have a volume, which is shown instead", context.region.width, "INFO")
+        column = layout.column()
+        column.active = own.shown and not has_own
+        column.operator_menu_enum(ops.SfumatoSetAir.bl_idname, "preset")
+        for name in ("visibility", "color", "anisotropy", "phase", "rayleigh", "scale_height"):
+            column.prop(own, name)
+        ground = column.column()
+        ground.active = own.scale_height > 0.0
+        ground.prop(own, "ground")
+
+
+class SfumatoShaftsPanel(bpy.types.Panel):
+    """Of that of air, of which it says that it is no more what air does."""
+
+    bl_idname = "SFUMATO_PT_shafts"
+    bl_parent_id = "SFUMATO_PT_air"
+    bl_label = "Art-Directed Shafts"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "world"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: Any) -> None:
+        self.layout.prop(props.of_air(context.scene.world), "directed", text="")
+
+    def draw(self, context: Any) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        own = props.of_air(context.scene.world)
+        if own.directed:
+            said = "Not as air does: what it scatters is multiplied, and what it takes of light is not"
+            draw_wrapped(layout, said, context.region.width, "ERROR")
+        column = layout.column()
+        column.active = own.directed
+        column.prop(own, "shaft_strength")
+        column.prop(own, "shaft_color")
+
+
 class SfumatoPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
@@ -255,6 +316,7 @@ class SfumatoPreferences(bpy.types.AddonPreferences):
 CLASSES = (
     ops.SfumatoSelectNamed,
     ops.SfumatoAddSmoke,
+    ops.SfumatoSetAir,
     SfumatoViewportPanel,
     SfumatoViewportNoticesPanel,
     SfumatoViewportStagesPanel,
@@ -263,6 +325,8 @@ CLASSES = (
     SfumatoRenderStagesPanel,
     SfumatoPassesPanel,
     SfumatoParticlesPanel,
+    SfumatoAirPanel,
+    SfumatoShaftsPanel,
     SfumatoPreferences,
 )
 

@@ -107,16 +107,17 @@ def volume_shaders(thing: Any, depsgraph: Any) -> list[Any]:
     found = [material for material in materials_of(thing, depsgraph) if material is not None]
     for material in found[:1] if thing.type == "VOLUME" else found:
         output = active_output(material)
-        shaders = [] if output is None else _added(linked_node(output, "Volume"))
+        shaders = [] if output is None else added(linked_node(output, "Volume"))
         if shaders:
             return shaders
     return []
 
 
-def _added(node: Any | None) -> list[Any]:
+def added(node: Any | None) -> list[Any]:
+    """The shaders whose sum a node is."""
     if node is None or node.mute:
         return []
-    return [*_added(linked_node(node, 0)), *_added(linked_node(node, 1))] if node.type == "ADD_SHADER" else [node]
+    return [*added(linked_node(node, 0)), *added(linked_node(node, 1))] if node.type == "ADD_SHADER" else [node]
 
 
 _WHITE = Smoke(np.ones(3), np.zeros(3))

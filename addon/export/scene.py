@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import hair, lights, materials, meshes, omissions, particles, smoke, surfaces, visibility
+from . import air, hair, lights, materials, meshes, omissions, particles, smoke, surfaces, visibility
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -120,6 +120,7 @@ def export(
     out = Export(core.module().Scene())
     looks: list[str] = [] if smoke_alone else out.notices
     lit = 0
+    suns: list[str] = []
     layer = depsgraph.view_layer_eval
     flags = visibility.Flags(depsgraph, out.notices)
     media: list[tuple[int, str, smoke.Medium]] = []
@@ -161,6 +162,7 @@ def export(
                     out.scene, thing, matrices[number], out.notices, reach
                 )
                 lit += lights_something
+                suns += [thing.name] if lights_something and thing.data.type == "SUN" else []
                 if not lies_over and (lights_something or (reach is None and thing.data.energy > 0.0)):
                     omissions.of("object", thing, thing.name, out.notices, "LIGHT")
                 continue
@@ -218,6 +220,7 @@ def export(
         smoke_alone and bool(media or points.bodies),
         out.notices,
     )
+    air.add_air(out.scene, depsgraph, origin, space, suns, out.notices)
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:
         world = materials.background(depsgraph, looks) if layer.use_sky else (0.0, 0.0, 0.0)

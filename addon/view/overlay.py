@@ -73,7 +73,7 @@ class _Overlay:
         with self._reporting():
             context = bpy.context
             frame = self._current_frame(context)
-            if frame is None or not (frame.media or frame.particles):
+            if frame is None or not (frame.media or frame.particles or frame.air):
                 return
             shading = context.space_data.shading
             scene_lights = shading.type == "MATERIAL" and shading.use_scene_lights

@@ -49,7 +49,7 @@ class Look:
 
     def sorts(self, frame: Any) -> bool:
         """Whether anything else than grids lies before surfaces. Transparent meshes and hair are in Blender's own picture."""
-        return bool(frame.particles if self.overlay else frame.sorted)
+        return bool(frame.particles or frame.air if self.overlay else frame.sorted)
 
     def moves_to(self, other: Look) -> bool:
         """Whether only the camera is another."""

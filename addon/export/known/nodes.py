@@ -82,11 +82,7 @@ FOLLOWED = (
         ),
         idle={"EEVEE alone reads it": ("Thickness",)},
     ),
-    Node(
-        "ShaderNodeOutputWorld",
-        ("Surface", "is_active_output", "target"),
-        (Socket("Volume", (), "the air is clear"),),
-    ),
+    Node("ShaderNodeOutputWorld", ("Surface", "Volume", "is_active_output", "target")),
     Node("ShaderNodeOutputLight", ("Surface", "is_active_output", "target")),
     Node("ShaderNodeRGB", ("Color",)),
     Node("ShaderNodeValue", ("Value",)),

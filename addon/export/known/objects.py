@@ -247,6 +247,8 @@ WORLD = Struct(
     "world",
     followed={
         "a Background of one color, as a backdrop": "node_tree use_nodes color",
+        "a volume that is the same everywhere: Volume Scatter and Absorption, Principled Volume, Emission, and their sum; "
+        "of suns, which Cycles blacks out in it, the light as it would be without": "",
         "the pass Mist": "mist_settings",
     },
     idle={
@@ -263,7 +265,7 @@ CYCLES_WORLD = Struct(
     idle={
         _SAMPLING: "sampling_method sample_map_resolution",
         _WORLD: "max_bounces is_caustics_light use_shadows",
-        "the world's volume, which is named as a whole": "homogeneous_volume volume_sampling volume_interpolation "
+        "how Cycles samples the world's volume": "homogeneous_volume volume_sampling volume_interpolation "
         "volume_step_size",
     },
 )
