@@ -264,7 +264,9 @@ class SfumatoAirPanel(bpy.types.Panel):
         own = props.of_air(context.scene.world)
         has_own = air.has_volume(context.scene.world)
         if has_own:
-            draw_wrapped(layout, "The world's own nodes have a volume, which is shown instead", context.region.width, "INFO")
+            draw_wrapped(
+                layout, "The world's own nodes have a volume, which is shown instead", context.region.width, "INFO"
+            )
         column = layout.column()
         column.active = own.shown and not has_own
         column.operator_menu_enum(ops.SfumatoSetAir.bl_idname, "preset")

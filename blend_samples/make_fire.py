@@ -85,13 +85,17 @@ def bake(domain: bpy.types.Object, folder: Path) -> None:
         raise RuntimeError(f"the bake wrote no frames into {folder}")
 
 
-def keep_what_is_shown(folder: Path, first_frame: int) -> None:
+def keep_what_is_shown(folder: Path, first_frame: int, names: tuple[str, ...] = GRIDS) -> None:
     """Of the frames from one on, the grids that are read; nothing of the others."""
     for path in sorted((folder / "data").glob("fluid_data_*.vdb")):
         if int(path.stem.rsplit("_", 1)[1]) < first_frame:
             path.unlink()
             continue
-        grids = [pyopenvdb.read(str(path), name) for name in GRIDS]
+        grids = [pyopenvdb.read(str(path), name) for name in names]
+        if "flame" not in names:
+            # Mantaflow takes a file's only grid for whatever it looks for, and would show the density as fire.
+            grids.append(pyopenvdb.FloatGrid(0.0))
+            grids[-1].name, grids[-1].transform = "flame", grids[0].transform
         for grid in grids:
             grid.saveFloatAsHalf = True
         pyopenvdb.write(str(path), grids=grids)

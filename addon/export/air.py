@@ -46,7 +46,9 @@ def even_volume(shaders: list[Any], name: str, notices: list[str]) -> Even:
     leanings: list[tuple[float, float]] = []  # what scatters with which anisotropy
     for shader in shaders:
         each = _of_shader(shader, name, notices)
-        emitted = sum((emitter.everywhere().of(np.zeros(1))[0] for emitter in emission.of_shader(shader, name, [])), 0.0)
+        emitted = sum(
+            (emitter.everywhere().of(np.zeros(1))[0] for emitter in emission.of_shader(shader, name, [])), 0.0
+        )
         out = Even(
             out.rayleigh + each.rayleigh,
             out.mie + each.mie,
@@ -59,7 +61,9 @@ def even_volume(shaders: list[Any], name: str, notices: list[str]) -> Even:
         return out
     mean = float(np.average([g for _, g in leanings], weights=[weight for weight, _ in leanings]))
     if max(abs(g - mean) for _, g in leanings) > 1e-3:
-        notices.append(f"{name}: its volume shaders differ in anisotropy; all of it scatters with their mean, {mean:.3g}")
+        notices.append(
+            f"{name}: its volume shaders differ in anisotropy; all of it scatters with their mean, {mean:.3g}"
+        )
     return replace(out, anisotropy=mean)
 
 
