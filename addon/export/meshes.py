@@ -37,11 +37,11 @@ def mesh_of(thing: Any, slots: int, brushed: bool, depsgraph: Any, parts: Parts)
             return None
         return found.vertices, found.triangles, found.normals, found.material, found.tangents
 
-    owner = _owner(thing, depsgraph, (slots, brushed)) if parts.told else None
+    owner = owner_of(thing, depsgraph, (slots, brushed)) if parts.told else None
     return parts.part(read, ("mesh",), core.module().Mesh, owner)
 
 
-def _owner(thing: Any, depsgraph: Any, how: tuple[Any, ...]) -> Owner | None:
+def owner_of(thing: Any, depsgraph: Any, how: tuple[Any, ...]) -> Owner | None:
     """Whose mesh it is, if Blender would tell of its changes: not of what nodes make for an instance, which takes the
     place of the object's own data."""
     if thing.type != "MESH" or thing.data.is_editmode:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import air, hair, lights, materials, meshes, omissions, particles, smoke, surfaces, visibility
+from . import air, fog, hair, lights, materials, meshes, omissions, particles, smoke, surfaces, visibility
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -46,16 +46,19 @@ def origin_of(places: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass
 class _Group:
-    """Surfaces that share a mesh and materials: the objects themselves may be gone when their matrices are known."""
+    """Surfaces that share a mesh and materials, and what fills it: the objects themselves may be gone when their matrices
+    are known."""
 
     name: str
     mesh: Any
-    surfaces: list[surfaces.Surface]
+    surfaces: list[surfaces.Surface]  # none: nothing but what fills it is seen
     triangles: meshes.Triangles | None  # of what glows
     material_indices: list[int]
     places: list[int] = field(default_factory=list)
     object_indices: list[int] = field(default_factory=list)
     reach: dict[int, Reach | None] = field(default_factory=dict)  # of what glows, in each of its places
+    volume: air.Even | None = None
+    vessel: fog.Vessel | None = None  # what that fills
 
     def add(self, place: int, thing: Any, flags: visibility.Flags) -> None:
         self.places.append(place)
@@ -70,6 +73,13 @@ class _Group:
         kinds: dict[tuple[Visibility | None, Reach | None], list[int]] = {}
         for number, place in enumerate(self.places):
             kinds.setdefault((seen.get(place), self.reach.get(place)), []).append(number)
+        return kinds
+
+    def filled(self, seen: dict[int, Visibility]) -> dict[Visibility | None, list[int]]:
+        """The numbers of its places by what fills them is to the camera and to lights; none where nothing does."""
+        kinds: dict[Visibility | None, list[int]] = {}
+        for number, place in enumerate(self.places if self.volume is not None else ()):
+            kinds.setdefault(seen.get(place), []).append(number)
         return kinds
 
 
@@ -177,7 +187,7 @@ def export(
                 media += [(number, thing.name, medium) for medium in bodies]
                 lit += add_flames(out.scene, bodies, flags.reach_of(thing))
             elif thing.type in meshes.SURFACE_TYPES:
-                groups[key] = group = _group_of(thing, depsgraph, parts, looks)
+                groups[key] = group = _group_of(thing, depsgraph, parts, looks, out.notices)
                 if group is not None:
                     group.add(number, thing, flags)
                     if lies_over:
@@ -198,11 +208,15 @@ def export(
         {place for group in solids for place in group.places}
         | points.numbers(puffs=False)
         | {number for number, _ in strands},
-        {number for number, *_ in media} | points.numbers(puffs=True),
+        {number for number, *_ in media}
+        | {place for group in solids if group.volume is not None for place in group.places}
+        | points.numbers(puffs=True),
     )
     for group in solids:
-        for kind, which in group.divided(seen).items():
+        for kind, which in group.divided(seen).items() if group.surfaces else ():
             lit += add_surfaces(out, group, which, matrices, *kind)
+        for of, which in group.filled(smoke_seen).items():
+            add_fog(out, group, which, matrices, of)
     add_points(out, points, parts, seen, smoke_seen)
     if lit == 0:
         out.notices.append("No light: nothing is lit. Add one, or raise its strength")
@@ -268,20 +282,62 @@ def _group_key(thing: Any) -> tuple[int, int]:
     return 0, data_address
 
 
-def _group_of(thing: Any, depsgraph: Any, parts: Parts, notices: list[str]) -> _Group | None:
-    """The surfaces of an object, without a place as yet; None where it has none."""
+def _group_of(thing: Any, depsgraph: Any, parts: Parts, looks: list[str], notices: list[str]) -> _Group | None:
+    """The surfaces of an object and what fills it, without a place as yet; None where it has neither. Of surfaces is said
+    what they look like."""
     said: list[str] = []
     found = surfaces.surfaces(thing, depsgraph, said)
-    if found is None:
-        return None
-    mesh = meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts)
+    volume = fog.volume_of(thing, depsgraph, notices)
+    vessel = None if volume is None else fog.vessel_of(thing, depsgraph, parts)
+    mesh = None if found is None else meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts)
     if mesh is None:  # as of what nodes make points of
+        found = None
+    if found is None and vessel is None:
         return None
-    notices += said
+    if vessel is not None:
+        fog.say(thing.name, vessel, notices)
+    if found is None:
+        return _Group(thing.name, None, [], None, [], volume=volume, vessel=vessel)
+    looks += said
     glows = any(surface.emission.any() for surface in found)
     shown = materials.materials_of(thing, depsgraph)
     indices = [material.pass_index if material else 0 for material in shown] or [0]
-    return _Group(thing.name, mesh, found, meshes.triangles_of(thing, len(found)) if glows else None, indices)
+    lamps = meshes.triangles_of(thing, len(found)) if glows else None
+    volume = None if vessel is None else volume
+    return _Group(thing.name, mesh, found, lamps, indices, volume=volume, vessel=vessel)
+
+
+def _usable(
+    out: Export, group: _Group, which: list[int], matrices: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Those of its places (n, 4, 4) that are anywhere, and which they are."""
+    places = matrices[[group.places[number] for number in which]]
+    usable = np.isfinite(places).all(axis=(1, 2))
+    if not usable.all():
+        out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
+    return places[usable], usable
+
+
+def add_fog(
+    out: Export, group: _Group, which: list[int], matrices: NDArray[np.float64], seen: Visibility | None
+) -> None:
+    """What fills an object, in those of its places that are alike, of all `matrices` (n, 4, 4)."""
+    volume, vessel = group.volume, group.vessel
+    assert volume is not None and vessel is not None
+    places, _ = _usable(out, group, which, matrices)
+    try:
+        out.scene.add_fog(
+            vessel.mesh,
+            places,
+            volume.rayleigh,
+            volume.mie,
+            volume.absorption,
+            volume.emission,
+            volume.anisotropy,
+            visibility=visibility.native(seen),
+        )
+    except ValueError as error:
+        out.notices.append(f"{group.name}: {error}")
 
 
 _WHOLE = {"holdout": "a Holdout", "catcher": "a Shadow Catcher"}
@@ -297,12 +353,8 @@ def add_surfaces(
 ) -> int:
     """The triangles of an object in those of its places that are alike, of all `matrices` (n, 4, 4). Returns how many
     lights those that emit are."""
-    places = matrices[[group.places[number] for number in which]]
-    usable = np.isfinite(places).all(axis=(1, 2))
+    places, usable = _usable(out, group, which, matrices)
     indices = np.array([group.object_indices[number] for number in which], dtype=np.float64)[usable]
-    if not usable.all():
-        out.notices.append(f"{group.name}: its matrix is not finite in {int((~usable).sum())} places; left out there")
-        places = places[usable]
     emission = np.array([surface.emission for surface in group.surfaces])
     transmittance = surfaces.transmittances(group.surfaces)
     if transmittance is not None and seen is not None and seen.seen in _WHOLE:

@@ -75,11 +75,8 @@ FOLLOWED = (
     ),
     Node(
         "ShaderNodeOutputMaterial",
-        ("Surface", "is_active_output", "target"),
-        (
-            Socket("Displacement", (), "the surface is as its mesh is"),
-            Socket("Volume", (), "only domains and Volume objects are filled"),
-        ),
+        ("Surface", "Volume", "is_active_output", "target"),
+        (Socket("Displacement", (), "the surface is as its mesh is"),),
         idle={"EEVEE alone reads it": ("Thickness",)},
     ),
     Node("ShaderNodeOutputWorld", ("Surface", "Volume", "is_active_output", "target")),
