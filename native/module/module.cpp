@@ -13,9 +13,17 @@ namespace {
 using namespace arguments;
 
 py::tuple read_volume_file(const std::string &path, const std::string &grid) {
-    VolumeFile volume = from_file([&] { return read_volume(path, grid); });
-    const glm::ivec3 n = volume.resolution;
-    return py::make_tuple(to_numpy(std::move(volume.density), {n.z, n.y, n.x}), to_numpy(volume.grid_to_object));
+    std::vector<VolumeFile> channels = from_file([&] { return read_volume_colours(path, grid); });
+    const glm::ivec3 n = channels[0].resolution;
+    const py::object to_object = to_numpy(channels[0].grid_to_object);
+    if (channels.size() == 1) {
+        return py::make_tuple(to_numpy(std::move(channels[0].density), {n.z, n.y, n.x}), to_object);
+    }
+    std::vector<float> vectors(channels.size() * channels[0].density.size());
+    for (std::size_t i = 0; i < vectors.size(); ++i) {
+        vectors[i] = channels[i % channels.size()].density[i / channels.size()];
+    }
+    return py::make_tuple(to_numpy(std::move(vectors), {n.z, n.y, n.x, static_cast<int>(channels.size())}), to_object);
 }
 
 } // namespace
@@ -41,10 +49,9 @@ PYBIND11_MODULE(sfumato, m) {
     bind_transfer(m); // whose types the reference takes
     bind_transparency(m);
 
-    m.def(
-        "read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",
-        R"(The active part of a grid of scalars in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
-takes cells to the file's own space. Raises ValueError that names the file and the cause.
+    m.def("read_volume", &read_volume_file, py::arg("path"), py::arg("grid") = "density",
+          R"(The active part of a grid of an OpenVDB file, of scalars (nz, ny, nx) or of vectors (nz, ny, nx, 3), and
+grid_to_object (4, 4), which takes cells to the file's own space. Raises ValueError that names the file and the cause.
 
 >>> read_volume("missing.vdb")  # doctest: +ELLIPSIS
 Traceback (most recent call last):

@@ -725,8 +725,9 @@ def project(
     """Coefficients of absorbers along light rays: eqs 1-2 and 5-6 of Jansen and Bavoil (2010), or their like."""
 
 def read_volume(path: str, grid: str = "density") -> tuple[Any, ...]:
-    """The active part of a grid of scalars in an OpenVDB file: density (nz, ny, nx) and grid_to_object (4, 4), which
-    takes cells to the file's own space. Raises ValueError that names the file and the cause.
+    """The active part of a grid of an OpenVDB file, of scalars (nz, ny, nx) or of vectors (nz, ny, nx, 3), and
+    grid_to_object (4, 4), which takes cells to the file's own space. Raises ValueError that names the file and
+    the cause.
     """
 
 class reference:  # a module

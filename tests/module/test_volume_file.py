@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 import sfumato
 
-FIRE = Path(__file__).resolve().parents[2] / "blend_samples" / "frames" / "fire.vdb"
+ROOT = Path(__file__).resolve().parents[2]
+FIRE = ROOT / "blend_samples" / "frames" / "fire.vdb"
+TINTED = ROOT / "tests" / "goldens" / "tinted_smoke.vdb"  # by make_tinted_smoke.cpp
 
 
 def refusal(path: Path, grid: str = "density") -> str:
@@ -48,6 +50,13 @@ def test_a_whole_file_is_read() -> None:
     density, grid_to_object = sfumato.read_volume(str(FIRE))
     assert density.shape == (62, 56, 62) and density.min() >= 0.0
     assert grid_to_object.shape == (4, 4) and (grid_to_object[3] == (0, 0, 0, 1)).all()
+
+
+def test_vectors_are_read_as_what_made_them() -> None:
+    tint, grid_to_object = sfumato.read_volume(str(TINTED), "tint")
+    assert tint.shape == (16, 16, 16, 3)
+    z, _, x = np.indices(tint.shape[:3]) * grid_to_object[0, 0]
+    assert np.allclose(tint, np.stack((0.5 * x, 1.0 - 0.5 * x, 0.5 * z), axis=3), atol=1e-3)  # halves
 
 
 def trail(cells: int = 96) -> np.ndarray:
