@@ -127,6 +127,24 @@ def constants_fill_more() -> bool:
     return bool(bpy.app.version >= (5, 0, 0))
 
 
+def mixes_emission() -> bool:
+    """Whether a Mix Shader shares out what volume shaders emit, rather than what they scatter and absorb alone. 4.2.23
+    against 4.5.15: findings/volume_shaders_added.sh; all of the emission, a quarter."""
+    return bool(bpy.app.version >= (4, 5, 0))
+
+
+def muted_links_are_dropped() -> bool:
+    """Whether what is linked to a muted node, through which nothing comes, keeps its own value, rather than having 0. 4.5.15
+    against 5.0.1: volume_nodes.py, 'muted, without a link'."""
+    return bool(bpy.app.version >= (5, 0, 0))
+
+
+def phases_share_light() -> bool:
+    """Whether several shaders that scatter in a volume do not each scatter what is the share of all. 4.2.23 against 4.5.15:
+    findings/volume_shaders_added.sh; two of .05 give twice the light of one of .1, the same light."""
+    return bool(bpy.app.version >= (4, 5, 0))
+
+
 def poly_curves_have_corners() -> bool:
     """Whether hair curves of the type Poly are straight between their points, rather than smooth as all are before. 4.5.15
     against 5.0.1: hair.py."""

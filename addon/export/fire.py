@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -113,12 +113,13 @@ MOST_FLAMES = 6
 _WEAK = 0.02
 
 
-def flames_of(fire: Fire, grid_to_world: Array) -> list[Flame]:
-    """The spheres that stand for a fire: its cells are divided where they are spread widest, by their power, until there
-    are as many as there may be; a sphere has the middle, the power and the spread of its part."""
-    if not fire.glow.any():
+def flames_of(fires: Sequence[Fire], grid_to_world: Array) -> list[Flame]:
+    """The spheres that stand for fires of the same cells: these are divided where they are spread widest, by their power,
+    until there are as many as there may be; a sphere has the middle, the power and the spread of its part."""
+    lit = [_emitted(fire) for fire in fires if fire.glow.any()]
+    if not lit:
         return []
-    cells, emitted = _emitted(fire)
+    cells, emitted = (np.concatenate(parts) for parts in zip(*lit))
     # Of a volume that emits e into each direction, the intensity is e times the volume.
     emitted *= abs(float(np.linalg.det(grid_to_world[:3, :3])))
     weights = emitted.sum(axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes, and what is read of them besides surfaces: cross-sections of smoke, a plain background."""
+"""Nodes, and what is read of them besides surfaces and volumes: a plain background."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
-from . import omissions
 
 
 def active_output(material: Any) -> Any | None:
@@ -79,83 +78,6 @@ class Smoke:
 
     def divided_by(self, length: float) -> Smoke:
         return replace(self, scattering=self.scattering / length, absorption=self.absorption / length)
-
-
-def smoke_of(thing: Any, depsgraph: Any, notices: list[str]) -> Smoke | None:
-    """How an object's smoke looks, as Cycles reads a Principled Volume; None where Cycles shows nothing."""
-    found = [material for material in materials_of(thing, depsgraph) if material is not None]
-    if thing.type == "VOLUME":
-        if not found:
-            return Smoke(np.full(3, 0.5), np.full(3, 0.5))  # a Principled Volume as it comes
-    shaders = volume_shaders(thing, depsgraph)
-    if shaders:
-        # What an Emission emits, emission.py says.
-        node, *others = [shader for shader in shaders if shader.type != "EMISSION"] or [None]
-        for other in others:
-            notices.append(f"{thing.name}: of its volume shaders, {other.bl_rna.name} is not shown beside another")
-        if node is None:
-            return Smoke(np.zeros(3), np.zeros(3))
-        return _of_shader(node, thing.name, notices)
-    if thing.type == "VOLUME":
-        return None
-    notices.append(f"{thing.name}: no Principled Volume in its material; shown as white smoke of density 1")
-    return _WHITE
-
-
-def volume_shaders(thing: Any, depsgraph: Any) -> list[Any]:
-    """The shaders whose sum fills an object, of its first material that has any; of a Volume object, of its first."""
-    found = [material for material in materials_of(thing, depsgraph) if material is not None]
-    for material in found[:1] if thing.type == "VOLUME" else found:
-        output = active_output(material)
-        shaders = [] if output is None else _added(linked_node(output, "Volume"))
-        if shaders:
-            return shaders
-    return []
-
-
-def _added(node: Any | None) -> list[Any]:
-    if node is None or node.mute:
-        return []
-    return [*_added(linked_node(node, 0)), *_added(linked_node(node, 1))] if node.type == "ADD_SHADER" else [node]
-
-
-_WHITE = Smoke(np.ones(3), np.zeros(3))
-
-
-def of_points(shader: Any, name: str, notices: list[str]) -> Smoke:
-    """How a volume shader would look in a puff, which Cycles has none of."""
-    if shader.type not in {"VOLUME_SCATTER", "VOLUME_ABSORPTION"}:
-        return _of_shader(shader, name, notices)
-    density = max(0.0, value_of(shader, "Density", name, notices))
-    colour = np.clip(value_of(shader, "Color", name, notices), 0.0, 1.0)
-    if shader.type == "VOLUME_ABSORPTION":
-        return Smoke(np.zeros(3), density * (1.0 - colour))
-    anisotropy = float(np.clip(value_of(shader, "Anisotropy", name, notices), -0.999, 0.999))
-    return Smoke(density * colour, np.zeros(3), anisotropy)
-
-
-def _of_shader(shader: Any, name: str, notices: list[str]) -> Smoke:
-    if shader.type == "PRINCIPLED_VOLUME":
-        return _principled_smoke(shader, name, notices)
-    notices.append(f"{name}: its volume shader {shader.bl_rna.name} is shown as white smoke of density 1")
-    return _WHITE
-
-
-def _principled_smoke(node: Any, name: str, notices: list[str]) -> Smoke:
-    attribute = value_of(node, "Density Attribute", name, notices)
-    omissions.of_node(node, name, notices)
-    density = max(0.0, value_of(node, "Density", name, notices))
-    colour = np.maximum(value_of(node, "Color", name, notices), 0.0)
-    absorbed = np.maximum(value_of(node, "Absorption Color", name, notices), 0.0)
-    absorption = density * np.maximum(1.0 - colour, 0.0) * np.maximum(1.0 - np.sqrt(absorbed), 0.0)
-    tint = value_of(node, "Color Attribute", name, notices)
-    if tint and (absorbed.any() or colour.max() > 1.0):
-        which = "Absorption Color" if absorbed.any() else "Color above 1"
-        notices.append(
-            f"{name}: its {which} beside a Color Attribute; the smoke lets through what it would without that attribute"
-        )
-    anisotropy = float(np.clip(value_of(node, "Anisotropy", name, notices), -0.999, 0.999))
-    return Smoke(density * colour, absorption, anisotropy, attribute, tint)
 
 
 def world_of(depsgraph: Any) -> Any | None:

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from .. import props
 from ..limits import MOST_SPHERES
-from . import emission, materials, surfaces, visibility
+from . import materials, surfaces, visibility
 from .known.objects import POINTS
+from .shading import shaders
 
 Floats = NDArray[np.float32]
 
@@ -264,15 +265,14 @@ def points_of(cloud: Any) -> tuple[Floats, Floats]:
 
 def volume_look(material: Any, name: str, notices: list[str]) -> Look | None:
     """By the volume of a material; None without one."""
-    output = materials.active_output(material)
-    shader = None if output is None else materials.linked_node(output, "Volume")
-    if shader is None or shader.mute:
+    look = shaders.of_material(material, name, notices)
+    if look is None:
         return None
-    smoke = materials.of_points(shader, name, notices)
-    if emission.of_shader(shader, name, []):
+    smoke = look.everywhere()
+    if look.emission:
         notices.append(said(name, "dark"))
-    if smoke.tint or smoke.attribute not in {"", "density"}:
-        notices.append(said(name, "alike", value=smoke.tint or smoke.attribute))
+    for attribute in {*look.attributes, smoke.tint} - {"", "density"}:
+        notices.append(said(name, "alike", value=attribute))
     most = float(smoke.extinction.max())
     albedo = np.divide(smoke.scattering, smoke.extinction, out=np.zeros(3), where=smoke.extinction > 0.0)
     relative = smoke.extinction / most if most > 0.0 else np.ones(3)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import hair, lights, materials, meshes, omissions, particles, smoke, surfaces, visibility
+from . import hair, lights, materials, meshes, omissions, particles, smoke, surfaces, visibility, voxels
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -187,7 +187,7 @@ def export(
         except ValueError as error:
             groups[key] = None
             out.notices.append(f"{thing.name}: {error}")
-            if isinstance(error, smoke.Missing):
+            if isinstance(error, voxels.Missing):
                 out.missing.append(out.notices[-1])
     solids = [group for group in groups.values() if group is not None]
     seen, smoke_seen = _visibilities(

@@ -8,6 +8,12 @@ from . import Node, Socket
 _WEIGHT = "hidden, and read by nobody"
 _NORMAL = Socket("Normal", (), "the surface is as its mesh is")
 
+_PHASES = {
+    "details of other phase functions than Henyey-Greenstein's, which are named as a whole": (
+        "IOR", "Backscatter", "Alpha", "Diameter"),
+    _WEIGHT: ("Weight",),
+}  # fmt: skip
+
 FOLLOWED = (
     Node(
         "ShaderNodeBsdfPrincipled",
@@ -73,6 +79,14 @@ FOLLOWED = (
          "Temperature Attribute"),
         idle={_WEIGHT: ("Weight",)},
     ),
+    Node("ShaderNodeVolumeScatter", ("Color", "Density", "Anisotropy"), elsewhere=("phase",), idle=_PHASES),
+    Node("ShaderNodeVolumeAbsorption", ("Color", "Density"), idle={_WEIGHT: ("Weight",)}),
+    Node(
+        "ShaderNodeVolumeCoefficients",
+        ("Absorption Coefficients", "Scatter Coefficients", "Emission Coefficients", "Anisotropy"),
+        elsewhere=("phase",),
+        idle=_PHASES,
+    ),
     Node(
         "ShaderNodeOutputMaterial",
         ("Surface", "is_active_output", "target"),
@@ -97,15 +111,16 @@ SURFACES = (
     "BsdfGlass BsdfHair BsdfMetallic BsdfRayPortal BsdfRefraction BsdfSheen BsdfToon "
     "BsdfTranslucent BsdfVelvet Group Holdout Script SubsurfaceScattering"
 )
-VOLUMES = "VolumeAbsorption VolumeCoefficients VolumeScatter"
+IN_VOLUMES = (
+    "Attribute Blackbody BrightContrast Clamp CombineColor CombineHSV CombineRGB CombineXYZ Gamma HueSaturation Invert "
+    "MapRange Math Mix MixRGB RGBToBW SeparateColor SeparateHSV SeparateRGB SeparateXYZ ValToRGB VolumeInfo"
+)
 VALUES = (
-    "AmbientOcclusion Attribute Bevel Blackbody BrightContrast Bump CameraData Clamp CombineColor CombineHSV CombineRGB "
-    "CombineXYZ Displacement FloatCurve Fresnel Gamma HairInfo HueSaturation Invert LayerWeight LightFalloff LightPath "
-    "MapRange Mapping Math Mix MixRGB NewGeometry Normal NormalMap ObjectInfo ParticleInfo PointInfo RGBCurve RGBToBW "
-    "RadialTiling Raycast SeparateColor SeparateHSV SeparateRGB SeparateXYZ Squeeze Tangent TexBrick TexChecker TexCoord "
-    "TexEnvironment TexGabor TexGradient TexIES TexImage TexMagic TexMusgrave TexNoise TexPointDensity TexSky TexVoronoi "
-    "TexWave TexWhiteNoise UVMap ValToRGB VectorCurve VectorDisplacement VectorMath VectorRotate VectorTransform "
-    "VertexColor VolumeInfo Wavelength Wireframe"
+    "AmbientOcclusion Bevel Bump CameraData Displacement FloatCurve Fresnel HairInfo LayerWeight LightFalloff LightPath "
+    "Mapping NewGeometry Normal NormalMap ObjectInfo ParticleInfo PointInfo RGBCurve RadialTiling Raycast Squeeze Tangent "
+    "TexBrick TexChecker TexCoord TexEnvironment TexGabor TexGradient TexIES TexImage TexMagic TexMusgrave TexNoise "
+    "TexPointDensity TexSky TexVoronoi TexWave TexWhiteNoise UVMap VectorCurve VectorDisplacement VectorMath VectorRotate "
+    "VectorTransform VertexColor Wavelength Wireframe"
 )
 NOT_IN_CYCLES = (
     "EeveeSpecular LightAccumulation LightEvaluation LightInfo LightIterInternalInput LightIterInternalOutput "
@@ -114,7 +129,8 @@ NOT_IN_CYCLES = (
 PASSES = "OutputAOV"
 OTHERS = {
     "surfaces, named, and shown as diffuse in the material's viewport color": SURFACES,
-    "volumes, named, and shown as white smoke of density 1": VOLUMES,
+    "followed in volumes, by what grids hold in each cell, as are groups; elsewhere the link from them is named, and the "
+    "input's own value used": IN_VOLUMES,
     "values and colors: the link from them is named, and the input's own value used": VALUES,
     "AOVs, which the view layer names": PASSES,
     "not there in Cycles": NOT_IN_CYCLES,

@@ -7,7 +7,7 @@ import bpy
 import harness
 import numpy as np
 import pictures
-from sfumato.export import smoke
+from sfumato.export import voxels
 
 SIZE = (96, 72)
 
@@ -34,7 +34,7 @@ def test_an_adaptive_domain_is_where_its_mesh_is() -> None:
         domain = harness.bake(folder)
         evaluated = domain.evaluated_get(bpy.context.evaluated_depsgraph_get())
         settings = evaluated.modifiers["Fluid"].domain_settings
-        density, to_object = smoke.domain_grid(settings, 4)
+        density, to_object = voxels.domain_grid(settings, 4)
         corners = np.array([vertex.co for vertex in evaluated.data.vertices])
         assert np.allclose(to_object[:3, 3], corners.min(axis=0), atol=1e-5)
         far = to_object @ [*density.shape[::-1], 1.0]

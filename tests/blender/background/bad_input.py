@@ -12,7 +12,7 @@ import harness
 import numpy as np
 import pictures
 from sfumato import core, log  # type: ignore[attr-defined]
-from sfumato.export import smoke
+from sfumato.export import voxels
 
 TINY = (32, 18)
 
@@ -67,18 +67,18 @@ def test_domain_that_was_never_baked() -> None:
 
 def test_density_that_is_not_a_number() -> None:
     thing = domain()
-    real = smoke.domain_grid
+    real = voxels.domain_grid
 
     def broken(*arguments: object) -> object:
         density, matrix = real(*arguments)
         density[3, 3, 3] = np.nan
         return density, matrix
 
-    smoke.domain_grid = broken
+    voxels.domain_grid = broken
     try:
         assert np.isfinite(pictures.render(TINY)).all()
     finally:
-        smoke.domain_grid = real
+        voxels.domain_grid = real
     assert said(thing.name, "not finite"), log.notices()
 
 

@@ -8,7 +8,6 @@ import bpy
 import harness
 import numpy as np
 import pictures
-from sfumato.export import parts, scene
 
 TINTED = harness.ROOT / "tests" / "goldens" / "tinted_smoke.vdb"  # two metres wide, by make_tinted_smoke.cpp
 SIZE = (48, 48)
@@ -68,19 +67,6 @@ def test_a_domains_colours_are_those_of_cycles() -> None:
         for attribute in ("color", "absent"):
             shader.inputs["Color Attribute"].default_value = attribute
             assert difference(attribute) < 0.03, attribute
-
-
-def test_what_is_not_followed_is_named() -> None:
-    thing = harness.volume(TINTED)
-    shader = harness.shade(thing.data, "ShaderNodeVolumePrincipled", "Volume")
-    shader.inputs["Color Attribute"].default_value = "tint"
-    for colour, absorbed, which in ((2.0, 0.0, "Color above 1"), (0.5, 0.5, "Absorption Color"), (0.5, 0.0, None)):
-        shader.inputs["Color"].default_value = (colour, 0.8, 0.7, 1.0)
-        shader.inputs["Absorption Color"].default_value = (0.0, absorbed, 0.0, 1.0)
-        notices = scene.export(bpy.context.evaluated_depsgraph_get(), parts.Parts()).notices
-        said = [notice for notice in notices if "Attribute" in notice]
-        through = "beside a Color Attribute; the smoke lets through what it would without that attribute"
-        assert said == ([f"Smoke: its {which} {through}"] if which else []), notices
 
 
 harness.main()

@@ -53,6 +53,11 @@ def with_node(name: str) -> tuple[Stage, Any, str]:
     stage = Stage()
     if name == "ShaderNodeVolumePrincipled":
         return stage, stage.smoke_shader, "Smoke"
+    if "Volume" in name:
+        tree = stage.smoke_shader.id_data
+        shader = tree.nodes.new(name)
+        tree.links.new(shader.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+        return stage, shader, "Smoke"
     if "Output" in name or name == "ShaderNodeBackground":
         owner = {"ShaderNodeOutputWorld": stage.scene.world, "ShaderNodeBackground": stage.scene.world}.get(
             name, stage.floor.data.materials[0]
@@ -140,14 +145,15 @@ def test_nodes_that_are_not_followed_are_named_where_they_are_used() -> None:
     wrong: list[str] = []
     cases = {
         nodes.SURFACES: ("Floor", "Surface"),
-        nodes.VOLUMES: ("Smoke", "Volume"),
+        "Holdout": ("Smoke", "Volume"),
+        nodes.IN_VOLUMES: ("Floor", "Base Color"),
         nodes.VALUES: ("Floor", "Base Color"),
     }
     for names, (owner, into) in cases.items():
         stage = Stage()
         shader = stage.smoke_shader if owner == "Smoke" else stage.floor_shader
         tree = shader.id_data
-        socket = (shader if names == nodes.VALUES else tree.nodes["Material Output"]).inputs[into]
+        socket = (shader if into == "Base Color" else tree.nodes["Material Output"]).inputs[into]
         source = socket.links[0].from_socket if socket.is_linked else None
         before = stage.exported()
         for name in names.split():
@@ -158,7 +164,7 @@ def test_nodes_that_are_not_followed_are_named_where_they_are_used() -> None:
             if name == "Group":
                 node.node_tree = group()
             tree.links.new(node.outputs[0], socket)
-            wrong.append(stage.not_heard_once(before, f"{owner}: ", into if names == nodes.VALUES else "shown"))
+            wrong.append(stage.not_heard_once(before, f"{owner}: ", into if into == "Base Color" else "shown"))
             tree.nodes.remove(node)
             if source is not None:
                 tree.links.new(source, socket)
