@@ -11,7 +11,7 @@ import pytest
 import sfumato
 from shaft_cases import Array, distances, first_hits, perspective, room, sun_map
 
-WIDTH, HEIGHT, TEXELS = 128, 80, 256
+WIDTH, HEIGHT, TEXELS = 192, 120, 256
 EYE, TARGET = np.array((-3.2, -2.0, 1.6)), np.array((3.0, 1.2, 1.3))
 SUN = np.array((-0.75, -0.25, -0.42)) / np.linalg.norm((-0.75, -0.25, -0.42))
 MORE = np.array((-0.6, 0.45, -0.3)) / np.linalg.norm((-0.6, 0.45, -0.3))
