@@ -56,7 +56,7 @@ class Target:
 
 def draw_smoke(shaders: Shaders, target: Target, smoke: Smoke, surfaces: Any, corners: np.ndarray) -> None:
     """March through `smoke` up to `surfaces`, a texture of the target's size (Frame.surfaces)."""
-    variant = (smoke.colours, smoke.media, smoke.tinted, smoke.emitting, target.overlay)
+    variant = (smoke.colours, smoke.media, smoke.tinted, smoke.emitting, smoke.ramped, target.overlay)
     shader = shaders.get(variant, lambda: smoke_shader(*variant))
     uniforms = target.uniforms(smoke.view(corners, target.size))
     with plain_state(), target.buffer.bind():

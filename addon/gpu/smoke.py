@@ -18,9 +18,15 @@ MEDIUM_TEXTURES = ("density", "light", "clearance")
 
 EMISSION_ROWS = 128  # smoke_uniforms.glsl
 
+# What media under transfer functions are marched by.
+RAMP_FILES = ("media/preintegration.glsl", "media/ramp.glsl", "media/ramped_march.glsl")
 
-def smoke_shader(colours: int, media: int, tinted: bool, emitting: bool, overlay: bool) -> Any:
+
+def smoke_shader(colours: int, media: int, tinted: bool, emitting: bool, ramped: bool, overlay: bool) -> Any:
     def declare(info: Any) -> None:
+        if ramped:
+            info.define("RAMPED", "1")
+            info.sampler(1 + len(MEDIUM_TEXTURES) * media, "FLOAT_2D", "ramps")
         if tinted:
             info.define("TINTED", "1")
         if emitting:
@@ -45,6 +51,7 @@ def smoke_shader(colours: int, media: int, tinted: bool, emitting: bool, overlay
         "media/medium.glsl",
         "viewport/smoke_media.glsl",
         "media/march.glsl",
+        *(RAMP_FILES if ramped else ()),
         "viewport/smoke_fragment.glsl",
     ]
     textures = shader_text("viewport/smoke_textures.glsl")
@@ -54,7 +61,7 @@ def smoke_shader(colours: int, media: int, tinted: bool, emitting: bool, overlay
         accessors.append(_by_medium("vec3", "tint_at", "vec3 place", "place", media))
     if emitting:
         accessors.append(_by_medium("float", "glow_at", "vec3 place", "place", media))
-    flags = {"tinted": tinted, "emitting": emitting, "overlay": overlay}
+    flags = {"tinted": tinted, "emitting": emitting, "ramped": ramped, "overlay": overlay}
     name = ", ".join([f"{colours} colours, {media} media", *(flag for flag, is_on in flags.items() if is_on)])
     return compile_shader(name, declare, files, generated="".join(accessors))
 
@@ -95,8 +102,11 @@ class Smoke:
         tints = [medium.tint for medium in media]
         self.tinted = any(tint is not None for tint in tints)
         self.emitting = any(len(medium.emission) for medium in media)
+        ramps = [medium.ramp for medium in media]
+        self.ramped = any(map(len, ramps))
         first = 7 + 3 * MOST_LIGHTS
-        rows_of_emission = first + 6 * MOST_MEDIA
+        rows_of_ramps = first + 6 * MOST_MEDIA
+        rows_of_emission = rows_of_ramps + (MOST_MEDIA if self.ramped else 0)
         size = rows_of_emission + (EMISSION_ROWS * MOST_MEDIA if self.emitting else 0)
         self.uniforms = np.zeros((size, 4), np.float32)  # SmokeView
         self.uniforms[7 : 7 + 3 * self.lights] = lights.reshape(-1, 4)
@@ -120,6 +130,8 @@ class Smoke:
                 table[:1, 3] = len(emission) - 1
             shape = (width, height, len(cells))
             self._add(number, texture(shape, "RGBA" if self.tinted else "R", cells), light, medium.clearance)
+        if self.ramped:
+            self._add_ramps(ramps, rows_of_ramps)
         if not media:
             # Where there is no smoke one empty cell stands in: the shader has one case less.
             self.uniforms[first : first + 6] = [
@@ -141,6 +153,14 @@ class Smoke:
         self.textures[f"density_{number}"] = density
         self.textures[f"light_{number}"] = texture(size, "RG" if channels == 2 else "RGBA", light)
         self.textures[f"clearance_{number}"] = texture(clearance.shape[::-1], "R", clearance)
+
+    def _add_ramps(self, ramps: list[np.ndarray], first: int) -> None:
+        """The parts of media under transfer functions: a row of texels each."""
+        rows = np.zeros((len(ramps), max(ramp.shape[0] * ramp.shape[1] for ramp in ramps), 4), np.float32)
+        for number, ramp in enumerate(ramps):
+            rows[number, : ramp.shape[0] * ramp.shape[1], :3] = ramp.reshape(-1, 3)
+            self.uniforms[first + number, :2] = len(ramp), 1.0
+        self.textures["ramps"] = texture((rows.shape[1], rows.shape[0]), "RGBA", rows)
 
     def view(self, corners: np.ndarray, size: tuple[int, int]) -> np.ndarray:
         """SmokeView for a camera, by sfumato.Camera.corners, and a picture of `size`."""

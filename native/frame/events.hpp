@@ -42,11 +42,13 @@ struct Slices {
     }
 };
 
-// The smoke of grids from the eye up to the ends of a march's steps, which are equally long on a ray.
+// The smoke of grids from the eye up to the ends of a march's steps.
 struct Knots {
     int count = 0;
-    alignas(64) float step[MAX_LANES];
-    std::vector<float> values; // where a step ends, the radiance, the optical depth in each colour; MAX_LANES a row
+    // Where a step ends, the radiance, the optical depth in each colour, the step's length; MAX_LANES a row.
+    std::vector<float> values;
+
+    static constexpr int rows(int colours) { return 5 + colours; }
 };
 
 struct Events {

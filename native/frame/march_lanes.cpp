@@ -7,6 +7,7 @@
 #include "text/march_text.hpp"
 #include "text/rays_text.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <type_traits>
 
@@ -26,12 +27,11 @@ struct Asked {
     const FrameView *frame = nullptr;
     Knots *knots = nullptr; // where something else lies before the surface
 
-    void leave_knot(Real t, Real step, const vec3 &radiance, const Colour &depth) const {
+    void leave_knot(Real t, const Real &step, const vec3 &radiance, const Colour &depth) const {
         if (knots == nullptr) {
             return;
         }
-        step.store_aligned(knots->step);
-        constexpr std::size_t ROWS = 4 + COLOURS;
+        constexpr std::size_t ROWS = Knots::rows(COLOURS);
         knots->values.resize(knots->values.size() + ROWS * MAX_LANES);
         float *to = knots->values.data() + (knots->values.size() - ROWS * MAX_LANES);
         const auto keep = [&to](Real value) {
@@ -49,6 +49,7 @@ struct Asked {
             keep(depth.y);
             keep(depth.z);
         }
+        keep(step);
         ++knots->count;
     }
 
@@ -69,9 +70,12 @@ struct Asked {
     [[nodiscard]] Real density_at(int m, const Cell &place) const { return sample(medium(m).density, place, 0); }
     [[nodiscard]] Real longest_step(int m) const { return medium(m).step_length; }
     [[nodiscard]] Colour extinction_of(int m) const { return colour(medium(m).extinction); }
-    [[nodiscard]] vec3 scattering_at(int m, const Cell &place) const {
+    [[nodiscard]] vec3 scattering_of(int m) const {
         const float *const rgb = medium(m).scattering;
-        vec3 scattering{Real(rgb[0]), Real(rgb[1]), Real(rgb[2])};
+        return {Real(rgb[0]), Real(rgb[1]), Real(rgb[2])};
+    }
+    [[nodiscard]] vec3 scattering_at(int m, const Cell &place) const {
+        vec3 scattering = scattering_of(m);
         if (medium(m).tint != nullptr) {
             const Real share = 1.0F / max(density_at(m, place), 1e-30F);
             for (int c = 0; c < 3; ++c) {
@@ -88,6 +92,10 @@ struct Asked {
         const Index at = truncate(row) * Index(3);
         return {gather(rows, at), gather(rows + 1, at), gather(rows + 2, at)};
     }
+    [[nodiscard]] bool classified(int m) const { return medium(m).ramp.rows != nullptr; }
+    [[nodiscard]] bool splits(int m) const { return medium(m).split; }
+    [[nodiscard]] vec3 ramp_row(int m, const Real &row) const { return SFUMATO_ISA::ramp_row(medium(m).ramp, row); }
+    [[nodiscard]] Real last_part(int m) const { return static_cast<float>(medium(m).ramp.parts - 1); }
     [[nodiscard]] Real anisotropy_of(int m) const { return medium(m).anisotropy; }
     [[nodiscard]] Arriving light_at(int m, const Cell &place, int i) const {
         const float *const volume = medium(m).light[static_cast<std::size_t>(i)];
@@ -123,7 +131,7 @@ private:
     }
 };
 
-template <int COLOURS>
+template <int COLOURS, bool RAMPED>
 void march_in(const FrameView &frame, const Packet &packet, Layers &out) {
     Events *const events = out.events;
     text::MarchText<Real, Isa, Asked<COLOURS>> text{
@@ -134,7 +142,7 @@ void march_in(const FrameView &frame, const Packet &packet, Layers &out) {
                         broadcast(c[5]), Real::load_aligned(packet.u), Real::load_aligned(packet.v));
     // Nothing is met where the march has no way to go.
     const Real reach = Real::load_aligned(out.distance) * Real::load_aligned(packet.active);
-    const auto smoke = text.march(ray, reach);
+    const auto smoke = RAMPED ? text.march_ramped(ray, reach) : text.march(ray, reach);
     for (int i = 0; i < 3; ++i) {
         smoke.radiance[i].store_aligned(out.smoke[i]);
         if constexpr (COLOURS == 1) {
@@ -154,7 +162,11 @@ void trace_strands(const FrameView &frame, const Packet &packet, Layers &out);  
 void merge(const FrameView &frame, const Packet &packet, Layers &out);                           // merge_lanes.cpp
 
 void march(const FrameView &frame, const Packet &packet, Layers &out) {
-    frame.grey ? march_in<1>(frame, packet, out) : march_in<3>(frame, packet, out);
+    if (std::ranges::any_of(frame.seen_media, [](const MediumView &medium) { return medium.ramp.rows != nullptr; })) {
+        frame.grey ? march_in<1, true>(frame, packet, out) : march_in<3, true>(frame, packet, out);
+    } else {
+        frame.grey ? march_in<1, false>(frame, packet, out) : march_in<3, false>(frame, packet, out);
+    }
 }
 
 extern const FrameKernels frame_kernels{trace_surfaces, trace_sheets, trace_strands, trace_particles, march, merge};

@@ -39,7 +39,7 @@ public:
         Depth<COLOURS> depth;
     };
 
-    explicit Grids(const Knots &knots) : knots_(knots), step_(Real::load_aligned(knots.step)) {}
+    explicit Grids(const Knots &knots) : knots_(knots) {}
 
     [[nodiscard]] bool any() const { return knots_.count > 0; }
 
@@ -54,7 +54,7 @@ public:
             knot_ = knot_ + truncate(further);
         }
         // Between two steps, where a march leaps, nothing is added.
-        const Real share = clamp((t - value(0, knot_)) / max(step_, 1e-30F) + 1.0F, 0.0F, 1.0F);
+        const Real share = clamp((t - value(0, knot_)) / max(value(4 + COLOURS, knot_), 1e-30F) + 1.0F, 0.0F, 1.0F);
         const Mask first = xsimd::to_float(knot_) < 0.5F;
         const Index before = max_index(knot_ - Index(1));
         const auto between = [&](int row) {
@@ -75,11 +75,10 @@ private:
     static Index max_index(Index i) { return xsimd::max(i, Index(0)); }
     [[nodiscard]] Real value(int row, Index knot) const {
         return gather(knots_.values.data() + static_cast<std::ptrdiff_t>(row) * MAX_LANES,
-                      knot * Index((4 + COLOURS) * MAX_LANES) + truncate(lane_numbers()));
+                      knot * Index(Knots::rows(COLOURS) * MAX_LANES) + truncate(lane_numbers()));
     }
 
     const Knots &knots_;
-    Real step_;
     Index knot_ = Index(0);
 };
 

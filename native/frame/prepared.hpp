@@ -21,12 +21,14 @@ public:
     void end_round() {
         solids.end_round();
         lights.end_round();
+        ranges.end_round();
     }
 
     std::mutex making;
     oneapi::tbb::task_arena arena;
     Solids solids;
     LightParts lights;
+    Kept<std::vector<glm::vec2>> ranges; // brick_ranges of grids under a transfer function
 };
 
 } // namespace sfumato

@@ -86,6 +86,11 @@ constexpr std::array PARTS = {
                   for (const Medium &medium : making.scene.media) {
                       CroppedMedium smoke = crop(medium);
                       if (!smoke.empty()) {
+                          if (medium.transfer) {
+                              const auto ranges = making.prepared.ranges.get(
+                                  Key().part(smoke.grid), [&smoke] { return brick_ranges(*smoke.grid); });
+                              classify(smoke, medium, *ranges);
+                          }
                           content.grey = content.grey && smoke.grey();
                           content.media.push_back(std::move(smoke));
                       }

@@ -30,12 +30,16 @@ Body body_of(const CroppedMedium &medium) {
     body.extinction = medium.extinction;
     body.visibility = medium.visibility;
     body.takes_light = medium.takes_light();
-    body.identify = [grid = medium.grid, place = medium.grid_to_world, strongest = medium.strongest()](Key &key) {
+    body.identify = [grid = medium.grid, ramp = medium.ramp, place = medium.grid_to_world,
+                     strongest = medium.strongest()](Key &key) {
         key.part(grid).number(strongest).numbers(std::span<const double>(&place[0].x, 16));
+        if (ramp) {
+            key.numbers(std::span<const float>(ramp->densities()));
+        }
     };
-    body.project = [grid = medium.grid, place = medium.grid_to_world,
+    body.project = [grid = medium.grid, ramp = medium.ramp, place = medium.grid_to_world,
                     strongest = medium.strongest()](LightMap plan, const InstructionSet &with) {
-        return projected(std::move(plan), *grid, place, strongest, with);
+        return projected(std::move(plan), *grid, ramp.get(), place, strongest, with);
     };
     return body;
 }

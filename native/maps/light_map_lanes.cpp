@@ -6,6 +6,7 @@
 #include "text/camera_text.hpp"
 #include "text/lanes.hpp"
 #include "text/lights_text.hpp"
+#include "text/ramp_text.hpp"
 #include "text/rays_text.hpp"
 
 #include <algorithm>
@@ -60,6 +61,42 @@ struct Samples {
     }
 };
 
+struct AskedRamp {
+    RampView ramp;
+
+    [[nodiscard]] vec3 ramp_row(int /*m*/, const Real &row) const { return SFUMATO_ISA::ramp_row(ramp, row); }
+    [[nodiscard]] Real last_part(int /*m*/) const { return static_cast<float>(ramp.parts - 1); }
+};
+
+// Under a transfer function, by the mean over all that lies between both ends of each slice: what is narrower than a
+// slice is not missed.
+Samples march_ramped(const ProjectRow &row, const Path &path, int first, int last) {
+    text::RampText<Real, Isa, AskedRamp> ramp{{row.ramp}};
+    Samples samples{row.scratch + row.slices, row.scratch};
+    const float speed = highest(max(max(abs(path.step.x), abs(path.step.y)), abs(path.step.z)));
+    const auto end_of = [&path](int slice) { return path.start + path.step * Real(static_cast<float>(slice) - 0.5F); };
+    const auto value_at = [&row](const vec3 &p) { return sample(row.density, locate(row.density, p), 0); };
+    int known = -1; // the slice before which `front` is
+    Real front = 0.0F;
+    for (int s = first; s < last;) {
+        const vec3 near = end_of(s), far = end_of(s + 1);
+        const Real clear = min(clearance_at(row.clearance, near), clearance_at(row.clearance, far));
+        if (!xsimd::any(clear < 0.0F)) {
+            s += 1 + static_cast<int>(std::max(lowest(clear) / speed - 1.0F, 0.0F));
+            continue;
+        }
+        if (known != s) {
+            front = value_at(near);
+        }
+        const Real back = value_at(far);
+        ramp.mean_density(0, front, back).store_unaligned(samples.densities + static_cast<std::ptrdiff_t>(samples.count) * LANES);
+        samples.slices[samples.count++] = static_cast<float>(s);
+        front = back;
+        known = ++s;
+    }
+    return samples;
+}
+
 // Empty slices are leapt over.
 Samples march_light(const ProjectRow &row, const Path &path) {
     Samples samples{row.scratch + row.slices, row.scratch};
@@ -71,6 +108,9 @@ Samples march_light(const ProjectRow &row, const Path &path) {
         CameraText().clip_to_box({Real(0.0F), Real(slices)}, path.start, path.step, size);
     const int first = static_cast<int>(std::min(slices, lowest(inside.near_t)));
     const int last = static_cast<int>(std::clamp(highest(inside.far_t) + 1.0F, 0.0F, slices));
+    if (row.ramp.rows != nullptr) {
+        return march_ramped(row, path, first, last);
+    }
     for (int s = first; s < last;) {
         const vec3 p = path.start + path.step * Real(static_cast<float>(s));
         const Real clear = clearance_at(row.clearance, p);

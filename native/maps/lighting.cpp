@@ -38,7 +38,10 @@ MediaViews views_of(std::span<const CroppedMedium> media, double step_length) {
         }
         view.light = volumes;
         view.light_channels = medium.light_channels;
-        view.clearance = medium.grid->clearances();
+        view.clearance = medium.clearances();
+        if (medium.ramp) {
+            view.ramp = {medium.ramp->rows.data(), medium.ramp->parts()};
+        }
         view.world_to_grid = affine(glm::inverse(medium.grid_to_world));
         view.anisotropy = medium.anisotropy;
         view.step_length = static_cast<float>(step_length);
@@ -176,7 +179,6 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
         medium.light_channels = grey ? 2 : 4;
         medium.light.clear();
     }
-    const MediaViews unlit = views_of(media, 1.0);
     for (std::size_t m = 0; m < media.size(); ++m) {
         const CroppedMedium &medium = media[m];
         const std::size_t floats = medium.grid->density.size() * static_cast<std::size_t>(medium.light_channels);
@@ -191,7 +193,8 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
                 }
                 LightBox box;
                 box.at = {&views_[i], extinctions_, static_cast<int>(m), grey};
-                box.clearance = unlit.views[m].clearance;
+                // Not the ramp's: a stop that moves may leave the volume as it is.
+                box.clearance = medium.grid->clearances();
                 box.grid_to_world = affine(medium.grid_to_world);
                 const Grid &grid = *medium.grid;
                 oneapi::tbb::parallel_for(0, grid.boxes(), [&with, &grid, &volume, box](int number) {

@@ -20,6 +20,7 @@ namespace sfumato {
 struct ProjectRow {
     GridView density;
     ClearanceView clearance;
+    RampView ramp;
     LightMapView map;          // coefficients and depths are not read
     Affine light_to_grid;      // from [0, 1]^3, or from the frame with the light at the origin
     float slice_length = 0.0F; // metres

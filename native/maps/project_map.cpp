@@ -17,11 +17,15 @@ namespace {
 // The rows of a map on their way through the smoke.
 class Rows {
 public:
-    Rows(const LightMap &map, const Grid &grid, const glm::dmat4 &grid_to_world, float extinction,
+    Rows(const LightMap &map, const Grid &grid, const MediumRamp *ramp, const glm::dmat4 &grid_to_world, float extinction,
          const InstructionSet &with)
         : map_(map), kernels_(map_kernels(with)), lanes_(static_cast<std::size_t>(with.lanes)) {
         row_.density = grid.view();
         row_.clearance = grid.clearances();
+        if (ramp != nullptr) {
+            row_.clearance.cells = ramp->clearance.data();
+            row_.ramp = {ramp->rows.data(), ramp->parts()};
+        }
         row_.map = map.view();
         row_.light_to_grid = affine(glm::inverse(grid_to_world) * glm::inverse(map.world_to_light));
         row_.slice_length = static_cast<float>(map.length / map.slices);
@@ -83,9 +87,9 @@ private:
 
 } // namespace
 
-LightMap projected(LightMap map, const Grid &grid, const glm::dmat4 &grid_to_world, float extinction,
-                   const InstructionSet &with) {
-    const Rows rows(map, grid, grid_to_world, extinction, with);
+LightMap projected(LightMap map, const Grid &grid, const MediumRamp *ramp, const glm::dmat4 &grid_to_world,
+                   float extinction, const InstructionSet &with) {
+    const Rows rows(map, grid, ramp, grid_to_world, extinction, with);
     if (!map.harmonic()) {
         constexpr int EVERY = 4;
         ColumnRays all{map.size.y, EVERY, {}};

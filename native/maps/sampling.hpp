@@ -70,6 +70,12 @@ inline Real clearance_at(const ClearanceView &bricks, const vec3 &p) {
     return gather(bricks.cells, (k * Index(bricks.ny) + j) * Index(bricks.nx) + i);
 }
 
+// A row of a transfer function, by its number.
+inline vec3 ramp_row(const RampView &ramp, const Real &row) {
+    const Index at = truncate(row) * Index(3);
+    return {gather(ramp.rows, at), gather(ramp.rows + 1, at), gather(ramp.rows + 2, at)};
+}
+
 // Four texels of a light map, and where a point lies between them.
 struct Texels {
     Index at[4];

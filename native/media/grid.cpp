@@ -151,21 +151,6 @@ void spread(std::vector<float> &distance, int count, int stride, int lines, int 
     }
 }
 
-std::vector<float> clearances_of(std::span<const std::uint8_t> occupied, const glm::ivec3 &bricks) {
-    const auto farthest = static_cast<float>(std::max({bricks.x, bricks.y, bricks.z}));
-    std::vector<float> distance(occupied.size());
-    std::transform(occupied.begin(), occupied.end(), distance.begin(),
-                   [farthest](std::uint8_t flag) { return flag != 0 ? 0.0F : farthest; });
-    spread(distance, bricks.x, 1, bricks.y, bricks.x, bricks.z, bricks.x * bricks.y);
-    spread(distance, bricks.y, bricks.x, bricks.x, 1, bricks.z, bricks.x * bricks.y);
-    spread(distance, bricks.z, bricks.x * bricks.y, bricks.x, 1, bricks.y, bricks.x);
-    for (float &d : distance) {
-        // d bricks away leaves d - 1 whole bricks between; an occupied brick is marked by a negative number.
-        d = (d - 1.0F) * static_cast<float>(BRICK);
-    }
-    return distance;
-}
-
 float above(float value, float threshold) {
     return value > threshold ? value : 0.0F;
 }
@@ -252,6 +237,48 @@ std::ptrdiff_t Grid::place_of(const glm::ivec3 &cell) const {
     const glm::ivec3 brick = glm::min(cell / STORED, stored_bricks - 1), within = cell - brick * STORED;
     return stored[static_cast<std::size_t>(row_of(stored_bricks, brick.y, brick.z) + brick.x)] +
            row_of(glm::ivec3(STORED_ROW), within.y, within.z) + within.x;
+}
+
+std::vector<float> clearances_of(std::span<const std::uint8_t> occupied, const glm::ivec3 &bricks) {
+    const auto farthest = static_cast<float>(std::max({bricks.x, bricks.y, bricks.z}));
+    std::vector<float> distance(occupied.size());
+    std::transform(occupied.begin(), occupied.end(), distance.begin(),
+                   [farthest](std::uint8_t flag) { return flag != 0 ? 0.0F : farthest; });
+    spread(distance, bricks.x, 1, bricks.y, bricks.x, bricks.z, bricks.x * bricks.y);
+    spread(distance, bricks.y, bricks.x, bricks.x, 1, bricks.z, bricks.x * bricks.y);
+    spread(distance, bricks.z, bricks.x * bricks.y, bricks.x, 1, bricks.y, bricks.x);
+    for (float &d : distance) {
+        // d bricks away leaves d - 1 whole bricks between; an occupied brick is marked by a negative number.
+        d = (d - 1.0F) * static_cast<float>(BRICK);
+    }
+    return distance;
+}
+
+std::vector<glm::vec2> brick_ranges(const Grid &grid) {
+    std::vector<glm::vec2> ranges(cells(grid.bricks), glm::vec2(0.0F));
+    oneapi::tbb::parallel_for(0, grid.bricks.z, [&](int z) {
+        for (int y = 0; y < grid.bricks.y; ++y) {
+            for (int x = 0; x < grid.bricks.x; ++x) {
+                const auto number = static_cast<std::size_t>(row_of(grid.bricks, y, z) + x);
+                if (grid.clearance[number] >= 0.0F) {
+                    continue;
+                }
+                const glm::ivec3 first = glm::ivec3(x, y, z) * BRICK;
+                const glm::ivec3 low = glm::max(first - 1, 0), high = glm::min(first + BRICK, grid.resolution - 1);
+                glm::vec2 range(std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest());
+                for (int k = low.z; k <= high.z; ++k) {
+                    for (int j = low.y; j <= high.y; ++j) {
+                        for (int i = low.x; i <= high.x; ++i) {
+                            const float value = grid.density[static_cast<std::size_t>(grid.place_of({i, j, k}))];
+                            range = {std::min(range.x, value), std::max(range.y, value)};
+                        }
+                    }
+                }
+                ranges[number] = range;
+            }
+        }
+    });
+    return ranges;
 }
 
 void copy_cells(const Grid &grid, std::span<const float> stored, int channels, std::span<float> out) {

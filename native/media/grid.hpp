@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 namespace sfumato {
@@ -43,6 +44,12 @@ struct Grid {
     // Where a cell is stored.
     [[nodiscard]] std::ptrdiff_t place_of(const glm::ivec3 &cell) const;
 };
+
+// As Grid::clearance has it, of bricks that are occupied where their flags are not 0.
+std::vector<float> clearances_of(std::span<const std::uint8_t> occupied, const glm::ivec3 &bricks);
+
+// For each of the clearance's bricks the lowest and the highest density that interpolation in it can give.
+std::vector<glm::vec2> brick_ranges(const Grid &grid);
 
 // All cells of a grid, x fastest, of what is stored as the densities are: `channels` numbers a cell.
 void copy_cells(const Grid &grid, std::span<const float> stored, int channels, std::span<float> out);

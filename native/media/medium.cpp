@@ -15,6 +15,12 @@ float CroppedMedium::strongest() const {
     return std::max({extinction.x, extinction.y, extinction.z});
 }
 
+ClearanceView CroppedMedium::clearances() const {
+    ClearanceView view = grid->clearances();
+    view.cells = ramp ? ramp->clearance.data() : view.cells;
+    return view;
+}
+
 float emptiness(const glm::uvec3 &resolution, const glm::mat4 &grid_to_world, const glm::vec3 &extinction) {
     const float strongest = std::max({extinction.x, extinction.y, extinction.z});
     if (!(strongest > 0.0F)) {
@@ -31,8 +37,12 @@ CroppedMedium crop(const Medium &medium) {
     out.scattering = medium.scattering;
     out.anisotropy = medium.anisotropy;
     out.visibility = medium.visibility;
-    const float threshold = emptiness(medium.resolution, medium.grid_to_world, out.extinction);
-    const bool clear = threshold == std::numeric_limits<float>::infinity();
+    float threshold = emptiness(medium.resolution, medium.grid_to_world, out.extinction);
+    bool clear = threshold == std::numeric_limits<float>::infinity();
+    if (medium.transfer) { // whose stops may be anywhere
+        threshold = 0.0F;
+        clear = clear && !medium.radiated;
+    }
     if (clear && medium.emission.empty()) {
         return out;
     }
@@ -54,6 +64,13 @@ CroppedMedium crop(const Medium &medium) {
         out.cell_size = std::min(out.cell_size, glm::length(glm::dvec3(to_world[axis])));
     }
     return out;
+}
+
+void classify(CroppedMedium &cropped, const Medium &medium, std::span<const glm::vec2> ranges) {
+    if (medium.transfer) {
+        cropped.ramp = std::make_shared<const MediumRamp>(
+            ramp_of(*medium.transfer, medium.radiated.get(), ranges, cropped.grid->bricks));
+    }
 }
 
 } // namespace sfumato

@@ -38,6 +38,14 @@ struct ClearanceView {
     int nx = 0, ny = 0, nz = 0;
 };
 
+// A medium's transfer function: for each part between two stops the rows of shaders/media/ramp.glsl's Part, of three
+// numbers each. Null where the grid holds the density itself.
+constexpr int PART_ROWS = 7, PART_FLOATS = 3 * PART_ROWS;
+struct RampView {
+    const float *rows = nullptr;
+    int parts = 0;
+};
+
 // A body of smoke. Each light has a volume, of the grid's cells and of `light_channels` numbers a cell: the optical
 // depth towards the light in each colour (in the only one, where all smoke is grey), and the share of the light's
 // falloff() that gets past solids, and past the edges of its cone.
@@ -56,6 +64,8 @@ struct MediumView {
     float scattering[3] = {0.0F, 0.0F, 0.0F};
     float anisotropy = 0.0F;
     float step_length = 1.0F; // cells
+    RampView ramp;
+    bool split = true; // whether steps end at the planes through cells' centres; of a ramp
 };
 
 } // namespace sfumato

@@ -112,6 +112,14 @@ void bind_frame_parts(py::module_ &m) {
                                "white. A copy.")
         .def_property_readonly("glow", &glow_of,
                                "(nz, ny, nx), that of Scene.add_medium; None where nothing glows. A copy.")
+        .def_property_readonly(
+            "ramp",
+            [](const CroppedMedium &s) {
+                return to_numpy(s.ramp ? s.ramp->rows : std::vector<float>(),
+                                {s.ramp ? s.ramp->parts() : 0, PART_ROWS, 3});
+            },
+            "(parts, 7, 3): the transfer function between its stops, as shaders/media/ramp.glsl has a Part; no parts "
+            "where density is the density. A copy.")
         .def_property_readonly("emission", &emission_of, "(n, 3), that of Scene.add_medium; no rows without a glow.")
         .def_property_readonly(
             "light", &light_of,
@@ -125,7 +133,8 @@ void bind_frame_parts(py::module_ &m) {
             "clearance",
             [](const CroppedMedium &s) {
                 const Grid &grid = *s.grid;
-                return to_numpy(grid.clearance, {grid.bricks.z, grid.bricks.y, grid.bricks.x});
+                return to_numpy(s.ramp ? s.ramp->clearance : grid.clearance,
+                                {grid.bricks.z, grid.bricks.y, grid.bricks.x});
             },
             "(bz, by, bx), for each brick of 4^3 cells: negative where smoke may be met, else the number of cells "
             "that are surely empty in every direction.")

@@ -4,6 +4,7 @@
 
 #include "lights/polygon_parts.hpp"
 #include "media/medium.hpp"
+#include "media/transfer.hpp"
 #include "module/lights.hpp"
 #include "module/parts.hpp"
 #include "module/scene_parts.hpp"
@@ -20,6 +21,7 @@ namespace sfumato {
 namespace {
 
 using namespace arguments;
+using arguments::text; // and not the shaders
 
 std::vector<glm::mat4> places(const Doubles &to_world) {
     const bool one = to_world.ndim() == 2;
@@ -113,10 +115,44 @@ std::vector<glm::vec3> checked_emission(const Floats &emission) {
     return rows;
 }
 
+// What is given of a medium by the number that its grid holds.
+void check_transfer(const TransferFunction *transfer, const TransferFunction *radiated, bool tinted) {
+    if (transfer == nullptr) {
+        if (radiated != nullptr) {
+            throw py::value_error("there is a radiated, but no transfer that says how dense it is: one of extinction 0");
+        }
+        return;
+    }
+    if (tinted) {
+        throw py::value_error("there are cells' colours and a transfer, which has colours of its own");
+    }
+    const auto check = [](const TransferFunction &function, const char *name) {
+        const Emitted outside = function.at(0.0);
+        if (outside != Emitted(0.0)) {
+            throw py::value_error(std::string(name) + " has " + text(outside.w) + " of extinction and (" +
+                                  text(outside.x) + ", " + text(outside.y) + ", " + text(outside.z) +
+                                  ") of colour at 0, which is what lies outside the grid: it must be empty there");
+        }
+        if (function.ramp().stops.size() > MOST_STOPS) {
+            throw py::value_error(std::string(name) + " has " + text(function.ramp().stops.size()) +
+                                  " stops; a medium's may have " + text(MOST_STOPS));
+        }
+    };
+    check(*transfer, "transfer");
+    if (radiated != nullptr) {
+        check(*radiated, "radiated");
+        const std::vector<double> &extinction = radiated->ramp().extinction;
+        if (std::any_of(extinction.begin(), extinction.end(), [](double value) { return value != 0.0; })) {
+            throw py::value_error("radiated has an extinction, which is transfer's alone: it must be 0");
+        }
+    }
+}
+
 void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &density, const Doubles &grid_to_world,
                 const Floats &scattering, const Floats &absorption, float anisotropy,
                 const std::optional<Floats> &colour, const std::optional<Visibility> &visibility,
-                const std::optional<Floats> &glow, const std::optional<Floats> &emission) {
+                const std::optional<Floats> &glow, const std::optional<Floats> &emission,
+                const TransferFunction *transfer, const TransferFunction *radiated) {
     const auto *array = std::get_if<Floats>(&density);
     if (array != nullptr) {
         require_shape(*array, {-1, -1, -1}, "density");
@@ -145,7 +181,8 @@ void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &de
     if (array != nullptr) {
         const glm::uvec3 resolution(array->shape(2), array->shape(1), array->shape(0));
         const glm::vec3 extinction = medium.scattering + medium.absorption;
-        grid = checked_grid(*array, emptiness(resolution, medium.grid_to_world, extinction), colour, glow);
+        const float least = transfer != nullptr ? 0.0F : emptiness(resolution, medium.grid_to_world, extinction);
+        grid = checked_grid(*array, least, colour, glow);
     } else if (colour || glow) {
         throw py::value_error(std::string(colour ? "colour" : "glow") +
                               " is given beside a Grid, which has its own: give it to the Grid");
@@ -159,6 +196,11 @@ void add_medium(ConsoleScene &scene, const std::variant<CheckedGrid, Floats> &de
     if (glows != emission.has_value() && (array != nullptr || grid.grid)) {
         throw py::value_error(glows ? "there is a glow, but no emission that says what it emits"
                                     : "there is an emission, but no glow that says where");
+    }
+    check_transfer(transfer, radiated, grid.grid && !grid.grid->tint.empty());
+    if (transfer != nullptr) {
+        medium.transfer = std::make_shared<const TransferFunction>(*transfer);
+        medium.radiated = radiated != nullptr ? std::make_shared<const TransferFunction>(*radiated) : nullptr;
     }
     medium.resolution = grid.resolution;
     medium.grid = grid.grid;
@@ -392,6 +434,7 @@ does, and for too few rows.
         .def("add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
              py::arg("absorption"), py::arg("anisotropy") = 0.0F, py::arg("colour") = py::none(),
              py::arg("visibility") = py::none(), py::arg("glow") = py::none(), py::arg("emission") = py::none(),
+             py::arg("transfer") = py::none(), py::arg("radiated") = py::none(),
              R"(Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their
 densities add.
 
@@ -402,7 +445,10 @@ density; anisotropy g of Henyey and Greenstein (1941) in (-1, 1); colour (nz, ny
 cell's scattering is multiplied: what it does not scatter of that, it absorbs, so what it lets through stays the same;
 visibility, 'shown' or 'unseen', and its lights. glow (nz, ny, nx) in [0, 1] is what shines by itself, whatever the
 density: emission (n, 3), of 2 to 128 rows, gives in W/(m^3 sr) what it emits from 0, black as all outside the grid, to
-1, linear between two rows. It lights nothing.
+1, linear between two rows. It lights nothing. transfer, a TransferFunction: then density holds any number, not negative,
+and what it stands for, between cells too, is transfer's extinction; its colour, not associated, is what colour is of a
+cell. radiated, one whose extinction is 0, is what is emitted by the same number, W/(m^3 sr). Both are empty at 0, and have
+at most 1024 stops.
 Raises ValueError for an empty, negative or non-finite density and for a matrix that flattens the grid.
 
 >>> import numpy as np

@@ -289,6 +289,7 @@ Scene ConsoleScene::for_reference() const {
     require_plain(meshes, "there is a transmittance of mesh",
                   [](const Instances &mesh) { return mesh.materials.transmittance.empty(); });
     require_plain(media, "there is a visibility of medium", seen);
+    require_plain(media, "there is a transfer of medium", [](const Medium &medium) { return !medium.transfer; });
     require_plain(particles, "there is a visibility of particles", seen);
     require_plain(lights, "there is a reach of light", [](const Light &l) { return l.reach == Reach{}; });
     require_plain(lights, "there is a stretched cone of light", [](const Light &l) { return !l.oval; });

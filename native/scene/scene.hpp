@@ -16,7 +16,8 @@
 
 namespace sfumato {
 
-struct Grid; // media/grid.hpp
+struct Grid;            // media/grid.hpp
+class TransferFunction; // media/transfer.hpp
 
 // What a layer of gloss leaves to all that lies below it: everything; of light, what it does not reflect; or nothing.
 enum class Below : std::uint8_t { ALL, REST, NOTHING };
@@ -115,6 +116,10 @@ struct Medium {
     std::vector<glm::vec3> emission;
     // What the frame makes of the density, where that is known already: then `density` may be empty.
     std::shared_ptr<const Grid> grid;
+    // What the grid's number stands for, between cells too: the extinction is the density, and the colour that in which
+    // it scatters, as `colour` has it. And what it emits, W/(m^3 sr), of a function whose extinction is 0. Both are empty
+    // where the grid holds 0. Or none: the number is the density.
+    std::shared_ptr<const TransferFunction> transfer, radiated;
     glm::mat4 grid_to_world{1.0F};
     glm::vec3 scattering{1.0F}; // sigma_s per metre and unit density
     glm::vec3 absorption{0.0F}; // sigma_a per metre and unit density

@@ -14,6 +14,7 @@ struct MarchText : Asked {
     using Arriving = typename Asked::Arriving;
     using Asked::along_grid;
     using Asked::anisotropy_of;
+    using Asked::classified;
     using Asked::clearance_at;
     using Asked::density_at;
     using Asked::emission_row;
@@ -22,6 +23,7 @@ struct MarchText : Asked {
     using Asked::glow_at;
     using Asked::grid_size;
     using Asked::is_parallel;
+    using Asked::last_part;
     using Asked::last_row;
     using Asked::leave_knot;
     using Asked::light_at;
@@ -34,7 +36,10 @@ struct MarchText : Asked {
     using Asked::MEDIA;
     using Asked::media_count;
     using Asked::place_at;
+    using Asked::ramp_row;
     using Asked::scattering_at;
+    using Asked::scattering_of;
+    using Asked::splits;
     using Asked::to_grid;
 #define float Real // NOLINT(clang-diagnostic-keyword-macro): the text is GLSL
 #define bool Mask  // NOLINT(clang-diagnostic-keyword-macro): of each lane
@@ -45,6 +50,9 @@ struct MarchText : Asked {
 #include "../../shaders/media/phase.glsl"
 #include "../../shaders/media/medium.glsl"
 #include "../../shaders/media/march.glsl"
+#include "../../shaders/media/preintegration.glsl"
+#include "../../shaders/media/ramp.glsl"
+#include "../../shaders/media/ramped_march.glsl"
 // clang-format on
 #undef bool
 #undef float

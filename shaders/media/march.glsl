@@ -54,6 +54,20 @@ Crossing crossing_of(int m, Ray ray, float reach)
   return crossing;
 }
 
+// What a unit of scattering would send to the eye of a light, were there no smoke; `share` is of its falloff.
+float incoming_at(int m, int light, float share, vec3 world, vec3 direction)
+{
+  float incoming = share;
+  vec3 travel = light_direction(light);
+  if (!is_parallel(light)) {
+    vec3 from_light = world - light_position(light);
+    float distance2 = dot(from_light, from_light);
+    incoming = incoming * falloff(distance2, light_size2(light));
+    travel = from_light * inversesqrt(max(distance2, 1e-20f));
+  }
+  return incoming * henyey_greenstein(-dot(travel, direction), anisotropy_of(m));
+}
+
 // What one step through a medium sends to the eye from all lights. `amount` is density times length, tau the optical
 // depth of the step in all media.
 vec3 scattered_by_medium(int m, Place place, float amount, Colour tau, Colour tau_eye, vec3 world, vec3 direction)
@@ -61,15 +75,7 @@ vec3 scattered_by_medium(int m, Place place, float amount, Colour tau, Colour ta
   vec3 sum = vec3(0.0f, 0.0f, 0.0f);
   for (int light = 0; light < light_count(); ++light) {
     Arriving arriving = light_at(m, place, light);
-    float incoming = arriving.share;
-    vec3 travel = light_direction(light);
-    if (!is_parallel(light)) {
-      vec3 from_light = world - light_position(light);
-      float distance2 = dot(from_light, from_light);
-      incoming = incoming * falloff(distance2, light_size2(light));
-      travel = from_light * inversesqrt(max(distance2, 1e-20f));
-    }
-    incoming = incoming * henyey_greenstein(-dot(travel, direction), anisotropy_of(m));
+    float incoming = incoming_at(m, light, arriving.share, world, direction);
     sum = sum + light_strength(light) * (scattered_by_step(amount, tau, tau_eye, arriving.depth) * incoming);
   }
   return sum * scattering_at(m, place); // grey smoke may still scatter in colours

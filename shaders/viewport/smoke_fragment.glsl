@@ -6,6 +6,7 @@
 // what the march asks of them in smoke_media.glsl.
 //
 // Variants:
+//   RAMPED      a medium has a transfer function: its parts (media/ramp.glsl) are a row of the texture `ramps`
 //   COLOURS     1 where all smoke is grey, so that one march serves all colours, else 3
 //   MEDIA       how many bodies of smoke there are
 //   OVERLAY     the surfaces are Blender's own picture: it is multiplied by `transmittance`, whose alpha tells
@@ -18,7 +19,11 @@ void main()
                        uv.x, uv.y);
   vec4 surface = texelFetch(surfaces, ivec2(gl_FragCoord.xy), 0);
   bool hit = surface.w < ray.reach * 0.999999f;
+#ifdef RAMPED
+  Smoke smoke = march_ramped(ray, surface.w);
+#else
   Smoke smoke = march(ray, surface.w);
+#endif
   vec3 through = vec3(exp(-smoke.depth)); // transmittance_of(), for as many colours as there are
 #ifdef OVERLAY
   transmittance = vec4(through * (1.0f - view.screen.w * surface.xyz), hit ? 1.0f : 0.0f);

@@ -35,6 +35,7 @@ vec3 transformed(int medium, vec4 place)
 #define place_at(medium, cell) ((cell) / grid_size(medium))
 #define longest_step(medium) view.media[6 * (medium) + 4].w
 #define extinction_of(medium) OF_COLOURS(view.media[6 * (medium) + 4])
+#define scattering_of(medium) view.media[6 * (medium) + 5].xyz
 #ifdef TINTED
 #  define scattering_at(medium, place) (view.media[6 * (medium) + 5].xyz * tint_at(medium, place))
 #else
@@ -49,6 +50,12 @@ vec3 transformed(int medium, vec4 place)
 #  define glow_at(medium, place) 0.0f
 #  define last_row(medium) 1.0f
 #  define emission_row(medium, row) vec3(0.0f)
+#endif
+#ifdef RAMPED
+#  define classified(medium) (view.ramps[medium].x > 0.0f)
+#  define splits(medium) (view.ramps[medium].y > 0.0f)
+#  define ramp_row(medium, row) texelFetch(ramps, ivec2(int(row), medium), 0).xyz
+#  define last_part(medium) (view.ramps[medium].x - 1.0f)
 #endif
 #define anisotropy_of(medium) view.media[6 * (medium) + 5].w
 

@@ -53,6 +53,39 @@ def synthetic_frame(coloured: bool, lamps: bool = False, smoke: bool = True, fir
     return sfumato.Frame(made, coefficients=15, light_samples=4)
 
 
+def ramped_frame(coloured: bool, beside: bool) -> Any:
+    """A ball under a transfer function of narrow peaks and an edge, which scatters and glows in colours of its own, and,
+    with `beside`, plain smoke that overlaps it and glows too."""
+    z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in (20, 24, 28)), indexing="ij")
+    density = np.maximum(0.0, 1.0 - x**2 - y**2 - z**2) * (1.0 + 0.3 * np.sin(5.0 * x + 1.0) * np.cos(4.0 * y))
+    stops = np.array([0.0, 0.17, 0.2, 0.23, 0.57, 0.6, 0.63, 0.8, 0.801, 1.2])
+    extinction = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.2, 0.2])
+    colour = 0.5 + 0.5 * np.sin(np.multiply.outer(stops, (9.0, 5.0, 3.0)))
+    matrix = np.diag([0.1, 0.1, 0.12, 1.0])
+    matrix[:3, 3] = -1.4, -1.2, 0.2
+    scattering, absorption = ((4.0, 6.0, 9.0) if coloured else (6.0,) * 3), (1.0,) * 3
+    made = sfumato.Scene()
+    made.add_medium(
+        density,
+        matrix,
+        scattering,
+        absorption,
+        0.4,
+        transfer=sfumato.TransferFunction(stops, extinction, colour, associated=False),
+        radiated=sfumato.TransferFunction(stops, 0.0 * stops, 2.0 * extinction[:, None] * colour[:, ::-1]),
+    )
+    if beside:
+        matrix[:3, 3] = -0.2, -0.8, 1.0
+        rows = np.array([(0.0, 0.0, 0.0), (1.0, 2.0, 3.0)])
+        made.add_medium(density[:, ::-1], matrix, scattering, absorption, glow=np.minimum(density, 1.0), emission=rows)
+    made.add_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
+    made.add_point((1.5, -1.0, 3.0), (9.0, 5.0, 3.0))
+    made.set_background((0.3, 0.4, 0.6))
+    corners = [(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)]
+    made.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], [[(0, 0, 1)] * 3] * 2, [0, 0], [(0.7, 0.6, 0.5)])
+    return sfumato.Frame(made, light_samples=2)
+
+
 def look(perspective: bool, **kind: bool) -> painter.Look:
     """From beside the cloud, with floor and sky in the picture."""
     near, far = 0.1, 50.0
@@ -80,6 +113,17 @@ def test_gpu_and_cpu_make_the_same_picture() -> None:
             name = f"{'coloured' if coloured else 'grey'}{', lamps' if lamps else ''}{', fire' if fire else ''}, "
             name += "perspective" if perspective else "orthographic"
             assert_same(name, gpu, cpu)
+
+
+def test_smoke_under_transfer_functions_is_the_same_picture() -> None:
+    for coloured, beside in ((False, False), (True, False), (False, True)):
+        frame = ramped_frame(coloured, beside)
+        seen = look(not beside)
+        cpu = frame.render(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, edge_samples=1)
+        picture = painter.Painter().picture("test", frame, seen)
+        gpu = screen.read(picture.buffer, 0, SIZE)
+        assert (cpu[..., :3].max() > 0.7) and cpu[..., 3].min() < 1.0
+        assert_same(f"ramps, {'coloured' if coloured else 'grey'}{', beside others' if beside else ''}", gpu, cpu)
 
 
 def test_overlay_is_the_picture_taken_apart() -> None:

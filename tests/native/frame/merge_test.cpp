@@ -92,9 +92,9 @@ void fill(const Case &ray, int colours, double tint, int steps, Layers &layers) 
     for (int k = 0; k < steps && ray.grid_density > 0.0; ++k) {
         const double far = step * (k + 1);
         Knots &knots = events.knots;
-        const auto first = static_cast<std::size_t>(knots.count++) * (4 + channels);
-        knots.values.resize((first + 4 + channels) * MAX_LANES);
-        std::fill_n(knots.step, MAX_LANES, static_cast<float>(step));
+        const auto first = static_cast<std::size_t>(knots.count++) * (5 + channels);
+        knots.values.resize((first + 5 + channels) * MAX_LANES);
+        row(knots.values, first + 4 + channels, step);
         row(knots.values, first, ray.grid_from + far);
         for (std::size_t c = 0; c < 3; ++c) {
             const double density = ray.grid_density * (c == 0 ? 1.0 : tint);

@@ -149,6 +149,11 @@ struct Cubes {
     [[nodiscard]] float longest_step(int /*m*/) const { return 1.0F; }
     [[nodiscard]] float extinction_of(int /*m*/) const { return 1.0F; }
     [[nodiscard]] glm::vec3 scattering_at(int m, const glm::vec3 &) const { return {1.0F, 0.5F, m == 0 ? 0.0F : 1.0F}; }
+    [[nodiscard]] glm::vec3 scattering_of(int m) const { return scattering_at(m, {}); }
+    [[nodiscard]] bool classified(int /*m*/) const { return false; }
+    [[nodiscard]] bool splits(int /*m*/) const { return false; }
+    [[nodiscard]] glm::vec3 ramp_row(int /*m*/, float /*row*/) const { return {}; }
+    [[nodiscard]] float last_part(int /*m*/) const { return 0.0F; }
     [[nodiscard]] float anisotropy_of(int /*m*/) const { return 0.0F; }
     [[nodiscard]] Arriving light_at(int /*m*/, const glm::vec3 & /*place*/, int /*light*/) const {
         return {std::log(2.0F), 0.5F};
@@ -178,6 +183,17 @@ TEST(March, OfAUniformCubeIsWhatItTakesFromTheRay) {
         EXPECT_EQ(smoke.radiance.z, 0.0F);
         EXPECT_NEAR(text.march(AHEAD, 3.75F).depth, 0.5F * density, 1e-5F * density) << "up to a surface inside";
         EXPECT_EQ(text.march(AHEAD, 3.0F).depth, 0.0F) << "a surface before it";
+    }
+}
+
+// Without a transfer function both marches are one, but for where steps begin and end.
+TEST(March, OfRampsIsTheSameWhereThereIsNone) {
+    for (const float full : {0.0F, 60.0F}) {
+        MarchText text{{2, 1.0F, 0.25F, full}}, ramped{{2, 1.0F, 0.25F, full}};
+        const MarchText::Smoke wanted = text.march(AHEAD, 10.0F), smoke = ramped.march_ramped(AHEAD, 10.0F);
+        EXPECT_NEAR(smoke.depth, wanted.depth, 2e-2F);
+        EXPECT_NEAR(smoke.radiance.x, wanted.radiance.x, 1e-2F);
+        EXPECT_NEAR(smoke.radiance.z, wanted.radiance.z, 1e-2F);
     }
 }
 

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Media under transfer functions: rays against the judge, and light against smoke that was classified beforehand on a
+grid eight times as fine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import sfumato
+from numpy.typing import NDArray
+from sfumato import Camera, Frame, Scene, TransferFunction
+
+Array = NDArray[np.float64]
+N = 12
+MIDDLES = np.array([0.2, 0.4, 0.6, 0.8])
+# Each some tenths of a cell wide.
+PEAKS = np.concatenate([[0.0], (MIDDLES[:, None] + (-0.03, 0.0, 0.03)).ravel(), [1.0]])
+PEAKED = np.concatenate([[0.0], np.tile([0.0, 0.6, 0.0], 4), [0.0]])
+COLOURS = 1.0 + 0.5 * np.sin(np.multiply.outer(PEAKS, (9.0, 5.0, 3.0)))
+WHITE = np.ones((len(PEAKS), 3))
+FAR = 100.0
+
+
+def blob(n: int = N) -> Array:
+    """Smooth smoke from 0 to 1 that fades before the grid ends."""
+    z, y, x = np.meshgrid(*[(np.arange(n) + 0.5) / n * 2 - 1] * 3, indexing="ij")
+    waves = 1.0 + 0.3 * np.sin(5 * x + 1) * np.cos(4 * y) + 0.2 * np.sin(7 * z)
+    cells = np.maximum(1.0 - (x**2 + y**2 + z**2) / 0.7, 0.0) * waves
+    return np.asarray(cells / cells.max(), np.float64)
+
+
+def along(start: Array, end: Array) -> Camera:
+    """Orthographic, along a ray, so narrow that its pixels see one."""
+    towards = (end - start) / np.linalg.norm(end - start)
+    across = np.cross(towards, (0.3, 0.5, 0.8))
+    across /= np.linalg.norm(across)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.stack((across * 1e4, np.cross(across, towards) * 1e4, towards / FAR))
+    matrix[:3, 3] = -matrix[:3, :3] @ (0.5 * (start + end))
+    return Camera(matrix)
+
+
+def rays(count: int, n: int = N) -> tuple[Array, Array]:
+    rng = np.random.default_rng(3)
+    middle = n * (0.5 + 0.25 * (rng.random((count, 3)) - 0.5))
+    towards = rng.standard_normal((count, 3))
+    towards *= n / np.linalg.norm(towards, axis=1, keepdims=True)
+    return middle - towards, middle + towards
+
+
+def seen(frame: Frame, start: Array, end: Array) -> Array:
+    """(rays, 4): radiance and transmittance."""
+    out = [frame.render(along(*ray), 3, 3)[1, 1].astype(np.float64) for ray in zip(start, end)]
+    return np.stack(out) * (1, 1, 1, -1) + (0, 0, 0, 1)
+
+
+def off(found: Array, wanted: Array) -> float:
+    """Root mean square of the radiance by its mean."""
+    return float(np.sqrt(np.mean((found - wanted)[:, :3] ** 2)) / wanted[:, :3].mean())
+
+
+@pytest.mark.parametrize("case", ["peaks", "steps"])
+def test_what_a_ramp_emits_and_takes_is_the_judges(case: str) -> None:
+    if case == "peaks":
+        stops, extinction, interpolation, tolerance = PEAKS, PEAKED, "linear", 5e-4
+    else:
+        stops, extinction, interpolation = np.array([0.0, 0.1, 0.5]), np.array([0.0, 0.3, 0.05]), "constant"
+        tolerance = 3e-3
+    colour = (1.0 + 0.5 * np.sin(np.multiply.outer(stops, (9.0, 5.0, 3.0)))) * extinction[:, None]
+    cells, (start, end) = blob(), rays(24)
+    scene = Scene()
+    scene.add_medium(
+        cells,
+        np.eye(4),
+        (0, 0, 0),
+        (1, 1, 1),
+        transfer=TransferFunction(stops, extinction, np.ones((len(stops), 3)), interpolation, associated=False),
+        radiated=TransferFunction(stops, 0 * extinction, colour, interpolation),
+    )
+    wanted = sfumato.reference.sent_along(
+        TransferFunction(stops, extinction, colour, interpolation), cells, start, end, points=200_000
+    )
+    found = seen(Frame(scene), start, end)
+    assert off(found, wanted) < tolerance
+    assert np.abs(found - wanted)[:, 3].max() < 2 * tolerance
+
+
+def refined(cells: Array, times: int) -> Array:
+    """The same smoke, trilinear, sampled at the centres of cells so many times finer."""
+    for axis in range(3):
+        n = cells.shape[axis]
+        place = np.clip((np.arange(n * times) + 0.5) / times - 0.5, 0, n - 1)
+        low = np.minimum(place.astype(int), n - 2)
+        share = (place - low).reshape([-1 if a == axis else 1 for a in range(3)])
+        cells = np.take(cells, low, axis) * (1 - share) + np.take(cells, low + 1, axis) * share
+    return cells
+
+
+def lit(medium: Any) -> Frame:
+    scene = Scene()
+    medium(scene)
+    scene.add_sun((0.3, 0.2, -1.0), (3.0, 2.0, 1.0))
+    return Frame(scene, texels_per_cell=2.0)
+
+
+@pytest.mark.parametrize("coloured", [False, True])
+def test_smoke_under_a_ramp_is_lit_and_shaded_as_smoke_of_many_more_cells(coloured: bool) -> None:
+    scattering, absorption = ((0.9, 0.6, 0.3), (0.1, 0.2, 0.3)) if coloured else ((0.8,) * 3, (0.2,) * 3)
+    times, cells, (start, end) = 8, blob(), rays(12)
+    transfer = TransferFunction(PEAKS, PEAKED, COLOURS / COLOURS.max(), associated=False)
+    classified = transfer.at(refined(cells, times))
+    density = classified[..., 3]
+    colour = classified[..., :3] / np.maximum(density, 1e-30)[..., None]
+    fine = np.diag([1 / times, 1 / times, 1 / times, 1])
+    wanted = seen(
+        lit(lambda scene: scene.add_medium(density, fine, scattering, absorption, colour=colour)), start, end
+    )
+    found = seen(
+        lit(lambda scene: scene.add_medium(cells, np.eye(4), scattering, absorption, transfer=transfer)), start, end
+    )
+    print("off", off(found, wanted), np.abs(found - wanted)[:, 3].max())
+    assert off(found, wanted) < 0.02
+    assert np.abs(found - wanted)[:, 3].max() < 0.005
