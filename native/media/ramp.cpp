@@ -5,8 +5,7 @@
 #include "media/transfer.hpp"
 
 #include <algorithm>
-#include <iterator>
-#include <limits>
+#include <cstdint>
 
 namespace sfumato {
 namespace {
@@ -74,13 +73,12 @@ MediumRamp ramp_of(const TransferFunction &transfer, const TransferFunction *rad
         if (!first && !last && !(static_cast<float>(from) < static_cast<float>(to))) {
             continue;
         }
-        const double inside = first ? -std::numeric_limits<double>::infinity() : from;
         Course density = course_of(&transfer, from, to), emission = course_of(radiated, from, to);
         if (first || last) { // constant
-            density = {first ? transfer.at(inside) : transfer.at(from), Emitted(0.0), Emitted(0.0)};
+            density = {transfer.at(from), Emitted(0.0), Emitted(0.0)};
             emission = {};
             if (radiated != nullptr) {
-                emission.first = first ? radiated->at(inside) : radiated->at(from);
+                emission.first = radiated->at(from);
             }
         }
         const bool dense = density.first.w > 0.0 || density.gain.w != 0.0;

@@ -87,39 +87,50 @@ def test_what_a_ramp_emits_and_takes_is_the_judges(case: str) -> None:
     assert np.abs(found - wanted)[:, 3].max() < 2 * tolerance
 
 
-def refined(cells: Array, times: int) -> Array:
-    """The same smoke, trilinear, sampled at the centres of cells so many times finer."""
-    for axis in range(3):
-        n = cells.shape[axis]
-        place = np.clip((np.arange(n * times) + 0.5) / times - 0.5, 0, n - 1)
-        low = np.minimum(place.astype(int), n - 2)
-        share = (place - low).reshape([-1 if a == axis else 1 for a in range(3)])
-        cells = np.take(cells, low, axis) * (1 - share) + np.take(cells, low + 1, axis) * share
-    return cells
+def trilinear(cells: Array, place: Array) -> Array:
+    """(...,) at places (..., 3) in cells, x first, of which the first has its centre at a half; 0 outside."""
+    padded = np.pad(cells, 1)
+    at = np.clip(place[..., ::-1] + 0.5, 0.0, np.array(padded.shape) - 1.001)
+    low = np.floor(at).astype(int)
+    share = at - low
+    out = np.zeros(place.shape[:-1])
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.prod(np.where(corner, share, 1.0 - share), axis=-1)
+        out += weight * padded[tuple(np.moveaxis(low + corner, -1, 0))]
+    return out
 
 
-def lit(medium: Any) -> Frame:
-    scene = Scene()
-    medium(scene)
-    scene.add_sun((0.3, 0.2, -1.0), (3.0, 2.0, 1.0))
-    return Frame(scene, texels_per_cell=2.0)
+SUN, IRRADIANCE = np.array([0.3, 0.2, -1.0]), np.array([3.0, 2.0, 1.0])
+POINTS, LIGHT_POINTS = 800, 400
+
+
+def scattered(cells: Array, transfer: TransferFunction, scattering: Array, extinction: Array, ray: Any) -> Array:
+    """(4,): what one ray brings home by single scattering, and the mean transmittance, by brute force."""
+    start, end = ray
+    middles = (np.arange(POINTS) + 0.5) / POINTS
+    places = start + middles[:, None] * (end - start)
+    towards = -SUN / np.linalg.norm(SUN) * 1.5 * N
+    on_the_way = places[:, None] + ((np.arange(LIGHT_POINTS) + 0.5) / LIGHT_POINTS)[:, None] * towards
+    column = transfer.at(trilinear(cells, on_the_way))[..., 3].sum(1) * 1.5 * N / LIGHT_POINTS
+    here = transfer.at(trilinear(cells, places))
+    step = np.linalg.norm(end - start) / POINTS
+    before = (np.cumsum(here[:, 3]) - 0.5 * here[:, 3]) * step
+    arriving = np.exp(-(before + column)[:, None] * extinction) * IRRADIANCE / (4.0 * np.pi)
+    through = np.exp(-here[:, 3].sum() * step * extinction).mean()
+    return np.append((here[:, :3] * scattering * arriving).sum(0) * step, through)
 
 
 @pytest.mark.parametrize("coloured", [False, True])
-def test_smoke_under_a_ramp_is_lit_and_shaded_as_smoke_of_many_more_cells(coloured: bool) -> None:
-    scattering, absorption = ((0.9, 0.6, 0.3), (0.1, 0.2, 0.3)) if coloured else ((0.8,) * 3, (0.2,) * 3)
-    times, cells, (start, end) = 8, blob(), rays(12)
+def test_smoke_under_a_ramp_is_lit_and_shades_itself(coloured: bool) -> None:
+    scattering = np.array((0.9, 0.6, 0.3) if coloured else (0.8, 0.8, 0.8))
+    extinction = scattering + ((0.1, 0.2, 0.3) if coloured else 0.2)
+    cells, (start, end) = blob(), rays(10)
     transfer = TransferFunction(PEAKS, PEAKED, COLOURS / COLOURS.max(), associated=False)
-    classified = transfer.at(refined(cells, times))
-    density = classified[..., 3]
-    colour = classified[..., :3] / np.maximum(density, 1e-30)[..., None]
-    fine = np.diag([1 / times, 1 / times, 1 / times, 1])
-    wanted = seen(
-        lit(lambda scene: scene.add_medium(density, fine, scattering, absorption, colour=colour)), start, end
-    )
-    found = seen(
-        lit(lambda scene: scene.add_medium(cells, np.eye(4), scattering, absorption, transfer=transfer)), start, end
-    )
-    print("off", off(found, wanted), np.abs(found - wanted)[:, 3].max())
+    scene = Scene()
+    scene.add_medium(cells, np.eye(4), scattering, extinction - scattering, transfer=transfer)
+    scene.add_sun(SUN, IRRADIANCE)
+    found = seen(Frame(scene), start, end)
+    wanted = np.stack([scattered(cells, transfer, scattering, extinction, ray) for ray in zip(start, end)])
+    print("off", off(found, wanted), np.abs(found - wanted)[:, 3].max(), (found / wanted).mean(0))
     assert off(found, wanted) < 0.02
-    assert np.abs(found - wanted)[:, 3].max() < 0.005
+    assert np.abs(found - wanted)[:, 3].max() < 2e-3
