@@ -159,7 +159,7 @@ class Smoke:
         rows = np.zeros((len(ramps), max(ramp.shape[0] * ramp.shape[1] for ramp in ramps), 4), np.float32)
         for number, ramp in enumerate(ramps):
             rows[number, : ramp.shape[0] * ramp.shape[1], :3] = ramp.reshape(-1, 3)
-            self.uniforms[first + number, :2] = len(ramp), 1.0
+            self.uniforms[first + number, 0] = len(ramp)  # 0: steps are not split
         self.textures["ramps"] = texture((rows.shape[1], rows.shape[0]), "RGBA", rows)
 
     def view(self, corners: np.ndarray, size: tuple[int, int]) -> np.ndarray:

@@ -139,6 +139,9 @@ std::vector<float> Frame::glance(const Camera &camera, int width, int height, La
     // Steps a little longer than a preview's miss less than what is interpolated does.
     constexpr double CELLS = 1.25;
     Views seen = views(camera, width, height, wanted, std::max(step_length_, CELLS));
+    for (MediumView &medium : seen.media.views) {
+        medium.split = false; // as the viewport's shader has it
+    }
     seen.frame.shadow_strength = shadow_strength;
     const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
     return prepared_->arena.execute([&] { return sfumato::glance(tracer, width, height, spacing); });

@@ -2,7 +2,7 @@
 // The stage of the media: the smoke before the first surface of each ray of a packet. The march itself is text that the
 // GPU has too; here is what it asks of grids and lights.
 #include "frame/layers.hpp"
-#include "maps/sampling.hpp"
+#include "maps/arriving_lanes.hpp"
 #include "text/lanes.hpp"
 #include "text/march_text.hpp"
 #include "text/rays_text.hpp"
@@ -105,6 +105,21 @@ struct Asked {
         } else {
             return {{channel(0), channel(1), channel(2)}, channel(3)};
         }
+    }
+
+    // Under a transfer function, smoke may end within a cell: a final picture asks the light's maps, and not its volume.
+    [[nodiscard]] Arriving light_along(int m, const Cell &place, const vec3 &world, int i) const {
+        Arriving out = light_at(m, place, i);
+        if (splits(m) && xsimd::any(out.share > 0.0F)) {
+            const auto found = arriving({&light(i), frame->extinctions, m, COLOURS == 1}, world);
+            if constexpr (COLOURS == 1) {
+                out.depth = found.optical_depth[0];
+            } else {
+                out.depth = {found.optical_depth[0], found.optical_depth[1], found.optical_depth[2]};
+            }
+            out.share = pick(out.share > 0.0F, found.share, 0.0F); // what no light reaches has none in its volume
+        }
+        return out;
     }
 
     [[nodiscard]] int light_count() const { return static_cast<int>(frame->lights.size()); }

@@ -5,6 +5,7 @@
 #include "media/transfer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace sfumato {
@@ -37,6 +38,18 @@ void append(std::vector<float> &rows, const glm::dvec3 &row) {
     }
 }
 
+// The mean change from cell to cell, of bricks that hold anything, over the narrowest width: from 1 to 3.
+double fineness_of(std::span<const glm::vec2> ranges, double narrowest) {
+    double change = 0.0, bricks = 0.0;
+    for (const glm::vec2 &range : ranges) {
+        if (range.y > 0.0F) {
+            change += double{range.y - range.x} / (BRICK + 1);
+            bricks += 1.0;
+        }
+    }
+    return std::clamp(std::ceil(change / std::max(bricks * narrowest, 1e-30)), 1.0, 3.0);
+}
+
 bool any(const glm::dvec3 &row) {
     return row != glm::dvec3(0.0);
 }
@@ -66,6 +79,7 @@ MediumRamp ramp_of(const TransferFunction &transfer, const TransferFunction *rad
     }
     MediumRamp out;
     std::vector<glm::vec2> held; // where there is anything
+    double narrowest = double{FAR}; // of what takes light
     for (std::size_t i = 0; i <= stops.size(); ++i) {
         const bool first = i == 0, last = i == stops.size();
         const double from = first ? stops[0] - 1.0 : stops[i - 1], to = last ? stops.back() + 1.0 : stops[i];
@@ -92,6 +106,7 @@ MediumRamp ramp_of(const TransferFunction &transfer, const TransferFunction *rad
         append(out.rows, emission.first);
         append(out.rows, emission.gain);
         out.takes_light = out.takes_light || dense;
+        narrowest = dense ? std::min(narrowest, double{high} - double{low}) : narrowest;
         if (filled) {
             held.emplace_back(low, high);
         }
@@ -103,6 +118,7 @@ MediumRamp ramp_of(const TransferFunction &transfer, const TransferFunction *rad
         });
     });
     out.clearance = clearances_of(occupied, bricks);
+    out.fineness = fineness_of(ranges, narrowest);
     return out;
 }
 

@@ -238,6 +238,11 @@ class LitMedium:
         three, and the share of the light's falloff that passes solids and the edges of its cone. A copy.
         """
     @property
+    def ramp(self) -> NDArray[numpy.float32]:
+        """(parts, 7, 3): the transfer function between its stops, as shaders/media/ramp.glsl has a Part; no parts
+        where density is the density. A copy.
+        """
+    @property
     def scattering(self) -> NDArray[numpy.float32]:
         """(3,), per metre and unit density."""
     @property
@@ -382,6 +387,8 @@ class Scene:
         visibility: Visibility | None = None,
         glow: ArrayLike | None = None,
         emission: ArrayLike | None = None,
+        transfer: TransferFunction | None = None,
+        radiated: TransferFunction | None = None,
     ) -> None:
         """Add a body of smoke, of which there may be 64; or a Grid that was made before. Where they overlap, their
         densities add.

@@ -26,6 +26,7 @@ struct MarchText : Asked {
     using Asked::last_part;
     using Asked::last_row;
     using Asked::leave_knot;
+    using Asked::light_along;
     using Asked::light_at;
     using Asked::light_count;
     using Asked::light_direction;

@@ -4,7 +4,8 @@
 // none is longer than that of march(), and in a medium that splits() none crosses a plane through the centres of cells,
 // between which trilinear smoke is a cubic along a ray. Other media are met in the middle of each step.
 //
-// A medium answers besides: classified(m), whether it has a transfer function; splits(m). All rays alike.
+// A medium answers besides: classified(m), whether it has a transfer function; splits(m), both for all rays alike; and
+// light_along(m, place, world, light), what arrives of a light at a place that need not be a cell.
 
 // How far ahead of where a step ended it begins to look, in cells: so that it is behind the plane that it ended at.
 #define BEHIND_PLANE 1e-3f
@@ -46,7 +47,7 @@ vec3 lit_by_all(int m, Crossing crossing, Ray ray, float t)
   // Neither a step nor smoke before the eye dims it: scattered_by_step() of nothing.
   vec3 sum = vec3(0.0f, 0.0f, 0.0f);
   for (int light = 0; light < light_count(); ++light) {
-    Arriving arriving = light_at(m, place, light);
+    Arriving arriving = light_along(m, place, world, light);
     sum = sum + light_strength(light) * (incoming_at(m, light, arriving.share, world, ray.direction) *
                                          scattered_by_step(1.0f, Colour(0.0f), Colour(0.0f), arriving.depth));
   }

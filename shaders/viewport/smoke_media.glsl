@@ -68,6 +68,7 @@ Arriving light_at(int medium, vec3 place, int light)
   return arriving;
 }
 
+#define light_along(medium, place, world, light) light_at(medium, place, light)
 #define is_parallel(light) (view.lights[3 * (light)].w != 0.0f)
 #define light_direction(light) view.lights[3 * (light)].xyz
 #define light_position(light) view.lights[3 * (light) + 1].xyz

@@ -134,3 +134,62 @@ def test_smoke_under_a_ramp_is_lit_and_shades_itself(coloured: bool) -> None:
     print("off", off(found, wanted), np.abs(found - wanted)[:, 3].max(), (found / wanted).mean(0))
     assert off(found, wanted) < 0.02
     assert np.abs(found - wanted)[:, 3].max() < 2e-3
+
+
+def test_a_ramp_that_is_the_density_itself_changes_nothing() -> None:
+    """Beside plain smoke that glows, and in front of a floor; but for steps that end elsewhere."""
+    cells = blob()
+    pictures = []
+    for transfer in (None, TransferFunction([0.0, 2.0], [0.0, 2.0], np.ones((2, 3)), associated=False)):
+        scene = Scene()
+        scene.add_medium(cells, np.eye(4), (0.2, 0.3, 0.4), (0.1, 0.1, 0.1), 0.3, transfer=transfer)
+        beside = np.eye(4)
+        beside[:3, 3] = 4.0, 3.0, -2.0
+        rows = [(0.0, 0.0, 0.0), (0.1, 0.2, 0.3)]
+        scene.add_medium(cells, beside, (0.2,) * 3, (0.1,) * 3, glow=cells, emission=rows)
+        scene.add_sun(SUN, IRRADIANCE)
+        scene.add_mesh([(-9, -9, 0), (30, -9, 0), (9, 40, 0)], [(0, 1, 2)], [[(0, 0, 1)] * 3], [0], [(0.5, 0.5, 0.5)])
+        start, end = rays(16)
+        pictures.append(seen(Frame(scene, steps_per_cell=2.0), start, end))
+    plain, ramped = pictures
+    np.testing.assert_allclose(ramped, plain, rtol=1e-2, atol=2e-3)
+
+
+def test_only_what_depends_on_a_stop_is_made_again() -> None:
+    prepared = sfumato.Prepared()
+    made = []
+    for peak, red in ((0.6, 1.0), (0.6, 0.5), (0.5, 0.5)):
+        scene = Scene()
+        extinction = PEAKED * (peak / 0.6)
+        transfer = TransferFunction(PEAKS, extinction, WHITE * (red, 1.0, 1.0), associated=False)
+        scene.add_medium(GRID, np.eye(4), (0.8,) * 3, (0.2,) * 3, transfer=transfer)
+        scene.add_sun(SUN, IRRADIANCE)
+        Frame(scene, prepared=prepared)
+        made.append((prepared.made["maps"], prepared.made["volumes"]))
+    assert made == [(1, 1), (1, 1), (2, 2)], "a colour is not in the maps, an extinction is"
+
+
+GRID = sfumato.Grid(blob().astype(np.float32))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"radiated": TransferFunction([0, 1], [0, 0], [(0, 0, 0), (1, 1, 1)])}, "there is a radiated, but no transfer"),
+        ({"transfer": TransferFunction([0, 1], [1, 0], [(1, 1, 1)] * 2)}, "transfer has 1 of extinction and .* at 0"),
+        (
+            {"transfer": TransferFunction([0, 1], [0, 1], [(0, 0, 0)] * 2), "colour": np.ones((N, N, N, 3))},
+            "there are cells' colours and a transfer",
+        ),
+        (
+            {
+                "transfer": TransferFunction([0, 1], [0, 1], [(0, 0, 0)] * 2),
+                "radiated": TransferFunction([0, 1], [0, 1], [(0, 0, 0)] * 2),
+            },
+            "radiated has an extinction",
+        ),
+    ],
+)
+def test_what_no_medium_can_be_of_is_refused(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}"):
+        Scene().add_medium(blob(), np.eye(4), (1, 1, 1), (0, 0, 0), **given)

@@ -81,9 +81,7 @@ def ramped_frame(coloured: bool, beside: bool) -> Any:
     made.add_sun((0.5, 0.3, -1.0), (8.0, 7.0, 6.0))
     made.add_point((1.5, -1.0, 3.0), (9.0, 5.0, 3.0))
     made.set_background((0.3, 0.4, 0.6))
-    corners = [(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)]
-    made.add_mesh(corners, [(0, 1, 2), (0, 2, 3)], [[(0, 0, 1)] * 3] * 2, [0, 0], [(0.7, 0.6, 0.5)])
-    return sfumato.Frame(made, light_samples=2)
+    return sfumato.Frame(made, light_samples=2, steps_per_cell=0.8)  # the steps of glance()
 
 
 def look(perspective: bool, **kind: bool) -> painter.Look:
@@ -119,10 +117,10 @@ def test_smoke_under_transfer_functions_is_the_same_picture() -> None:
     for coloured, beside in ((False, False), (True, False), (False, True)):
         frame = ramped_frame(coloured, beside)
         seen = look(not beside)
-        cpu = frame.render(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, edge_samples=1)
+        cpu = frame.glance(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, spacing=1)
         picture = painter.Painter().picture("test", frame, seen)
         gpu = screen.read(picture.buffer, 0, SIZE)
-        assert (cpu[..., :3].max() > 0.7) and cpu[..., 3].min() < 1.0
+        assert cpu[..., :3].max() > 0.7 and cpu[..., 3].max() > 0.2
         assert_same(f"ramps, {'coloured' if coloured else 'grey'}{', beside others' if beside else ''}", gpu, cpu)
 
 

@@ -158,6 +158,9 @@ struct Cubes {
     [[nodiscard]] Arriving light_at(int /*m*/, const glm::vec3 & /*place*/, int /*light*/) const {
         return {std::log(2.0F), 0.5F};
     }
+    [[nodiscard]] Arriving light_along(int m, const glm::vec3 &place, const glm::vec3 & /*world*/, int light) const {
+        return light_at(m, place, light);
+    }
     [[nodiscard]] int light_count() const { return 1; }
     [[nodiscard]] bool is_parallel(int /*light*/) const { return true; }
     [[nodiscard]] glm::vec3 light_direction(int /*light*/) const { return {0.0F, 0.0F, -1.0F}; }
