@@ -107,7 +107,8 @@ struct Asked {
         }
     }
 
-    // Under a transfer function, smoke may end within a cell: a final picture asks the light's maps, and not its volume.
+    // Under a transfer function, smoke may end within a cell: a final picture asks the light's maps, and not its
+    // volume.
     [[nodiscard]] Arriving light_along(int m, const Cell &place, const vec3 &world, int i) const {
         Arriving out = light_at(m, place, i);
         if (splits(m) && xsimd::any(out.share > 0.0F)) {

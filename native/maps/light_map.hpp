@@ -71,8 +71,8 @@ LightMap plan_radial_map(const Body &body, const glm::dvec3 &position, const Lig
 
 // A plan with the coefficients, or the curves, of a grid's smoke, whose strongest colour has this extinction: what can
 // be seen decides what range a ray needs. `ramp` may be none.
-LightMap projected(LightMap plan, const Grid &grid, const MediumRamp *ramp, const glm::dmat4 &grid_to_world, float extinction,
-                   const InstructionSet &with);
+LightMap projected(LightMap plan, const Grid &grid, const MediumRamp *ramp, const glm::dmat4 &grid_to_world,
+                   float extinction, const InstructionSet &with);
 
 // A map's series with coefficients as project() of rays/basis.hpp makes them, and the range of each; none of curves.
 struct MapSeries {

@@ -89,7 +89,8 @@ Samples march_ramped(const ProjectRow &row, const Path &path, int first, int las
             front = value_at(near);
         }
         const Real back = value_at(far);
-        ramp.mean_density(0, front, back).store_unaligned(samples.densities + static_cast<std::ptrdiff_t>(samples.count) * LANES);
+        ramp.mean_density(0, front, back)
+            .store_unaligned(samples.densities + static_cast<std::ptrdiff_t>(samples.count) * LANES);
         samples.slices[samples.count++] = static_cast<float>(s);
         front = back;
         known = ++s;

@@ -17,8 +17,8 @@ namespace {
 // The rows of a map on their way through the smoke.
 class Rows {
 public:
-    Rows(const LightMap &map, const Grid &grid, const MediumRamp *ramp, const glm::dmat4 &grid_to_world, float extinction,
-         const InstructionSet &with)
+    Rows(const LightMap &map, const Grid &grid, const MediumRamp *ramp, const glm::dmat4 &grid_to_world,
+         float extinction, const InstructionSet &with)
         : map_(map), kernels_(map_kernels(with)), lanes_(static_cast<std::size_t>(with.lanes)) {
         row_.density = grid.view();
         row_.clearance = grid.clearances();

@@ -23,7 +23,7 @@ struct CroppedMedium {
     glm::dmat4 grid_to_world{1.0};
     glm::vec3 extinction{0.0F}; // per metre and unit density
     glm::vec3 scattering{0.0F};
-    std::vector<glm::vec3> emission; // as Medium has it; none where nothing glows
+    std::vector<glm::vec3> emission;        // as Medium has it; none where nothing glows
     std::shared_ptr<const MediumRamp> ramp; // null where the grid holds the density itself
     float anisotropy = 0.0F;
     Visibility visibility;

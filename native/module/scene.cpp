@@ -119,7 +119,8 @@ std::vector<glm::vec3> checked_emission(const Floats &emission) {
 void check_transfer(const TransferFunction *transfer, const TransferFunction *radiated, bool tinted) {
     if (transfer == nullptr) {
         if (radiated != nullptr) {
-            throw py::value_error("there is a radiated, but no transfer that says how dense it is: one of extinction 0");
+            throw py::value_error(
+                "there is a radiated, but no transfer that says how dense it is: one of extinction 0");
         }
         return;
     }

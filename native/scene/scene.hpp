@@ -117,8 +117,8 @@ struct Medium {
     // What the frame makes of the density, where that is known already: then `density` may be empty.
     std::shared_ptr<const Grid> grid;
     // What the grid's number stands for, between cells too: the extinction is the density, and the colour that in which
-    // it scatters, as `colour` has it. And what it emits, W/(m^3 sr), of a function whose extinction is 0. Both are empty
-    // where the grid holds 0. Or none: the number is the density.
+    // it scatters, as `colour` has it. And what it emits, W/(m^3 sr), of a function whose extinction is 0. Both are
+    // empty where the grid holds 0. Or none: the number is the density.
     std::shared_ptr<const TransferFunction> transfer, radiated;
     glm::mat4 grid_to_world{1.0F};
     glm::vec3 scattering{1.0F}; // sigma_s per metre and unit density

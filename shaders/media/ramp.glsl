@@ -30,7 +30,7 @@ struct Contents {
   vec3 emission;
 };
 
-// What the lights send to the eye by a unit of scattering: where a stretch begins, in its middle, and at its end.
+// What the lights send to the eye by a unit of scattering: where a piece begins, in its middle, and at its end.
 struct Lit {
   vec3 front;
   vec3 middle;
@@ -167,48 +167,12 @@ Stretch amounts_of(Part part, Cubic cubic, float u, float share, float metres, v
   // Simpson's rule is exact for a line of a cubic.
   float mean = (front.density + 4.0f * middle.density + back.density) * (1.0f / 6.0f);
   float rise = 0.5f * (back.density - front.density);
-  vec3 sent = (middle.scattering * scattering * lit_at(lit, u + 0.5f * share) + middle.emission) * way;
+  vec3 sent = (middle.scattering * scattering * lit.middle + middle.emission) * way;
   Stretch amounts;
   amounts.front = (mean - rise) * way;
   amounts.back = (mean + rise) * way;
-  amounts.emission_front = (front.scattering * scattering * lit_at(lit, u) + front.emission) * way;
-  amounts.emission_back = (back.scattering * scattering * lit_at(lit, u + share) + back.emission) * way;
+  amounts.emission_front = (front.scattering * scattering * lit.front + front.emission) * way;
+  amounts.emission_back = (back.scattering * scattering * lit.back + back.emission) * way;
   amounts.bow = sent * float(4.0f) - (amounts.emission_front + amounts.emission_back) * float(2.0f);
   return amounts;
-}
-
-// A step of `metres` on which s is a cubic: cut where that turns, and where it meets a stop.
-Sent sent_by_step(int m, Cubic cubic, Lit lit, float metres, vec3 scattering, Colour extinction, Colour beside)
-{
-  Turns turns = turns_of(cubic);
-  Sent sent;
-  sent.radiance = vec3(0.0f, 0.0f, 0.0f);
-  sent.depth = Colour(0.0f);
-  Colour before = Colour(0.0f); // the depth with what is beside
-  float number = part_of(m, cubic_at(cubic, 0.0f));
-  float u = 0.0f;
-  for (int k = 0; k < 4096 && any_lane(u < 1.0f); ++k) {
-    Part part = part_at(m, number);
-    float end = pick(u < turns.first, turns.first, pick(u < turns.second, turns.second, 1.0f));
-    float there = cubic_at(cubic, end);
-    bool above = there > part.place.y;
-    bool below = there < part.place.x;
-    if (any_lane(above || below)) {
-      float met = cubic_crossing(cubic, u, end, pick(above, part.place.y, part.place.x));
-      end = pick(above || below, clamp(met, u, end), end);
-    }
-    float share = end - u;
-    Colour next = before + beside * share;
-    if (any_lane(part.density.z > 0.0f && share > 0.0f)) {
-      Stretch amounts = amounts_of(part, cubic, u, share, metres, scattering, lit);
-      sent.radiance = sent.radiance + dimmed(sent_through(amounts, extinction, beside * share), before);
-      Colour depth = extinction * max(depth_of(amounts), 0.0f);
-      sent.depth = sent.depth + depth;
-      next = next + depth;
-    }
-    before = next;
-    number = number + pick(above, 1.0f, pick(below, -1.0f, 0.0f));
-    u = end;
-  }
-  return sent;
 }

@@ -70,6 +70,73 @@ Cubic cubic_between(int m, Crossing crossing, float t, float metres, float front
   return cubic;
 }
 
+Lit lit_between(int m, Crossing crossing, Ray ray, float t, float metres)
+{
+  Lit lit;
+  lit.front = lit_by_all(m, crossing, ray, t);
+  lit.middle = lit_by_all(m, crossing, ray, t + 0.5f * metres);
+  lit.back = lit_by_all(m, crossing, ray, t + metres);
+  return lit;
+}
+
+// The part of a stretch's lights from u on, `share` of it long.
+Lit part_of_lit(Lit lit, float u, float share)
+{
+  Lit part;
+  part.front = lit_at(lit, u);
+  part.middle = lit_at(lit, u + 0.5f * share);
+  part.back = lit_at(lit, u + share);
+  return part;
+}
+
+// A step on which s is a cubic: cut where that turns, and where it meets a stop. Light may change within a part no less
+// than s does: where steps are split, it is asked for in each.
+Sent sent_by_step(int m, Crossing crossing, Ray ray, Cubic cubic, float t, float metres, Colour beside)
+{
+  Turns turns = turns_of(cubic);
+  Sent sent;
+  sent.radiance = vec3(0.0f, 0.0f, 0.0f);
+  sent.depth = Colour(0.0f);
+  Colour before = Colour(0.0f); // the depth with what is beside
+  Lit whole;
+  if (!splits(m)) {
+    whole = lit_between(m, crossing, ray, t, metres);
+  }
+  float number = part_of(m, cubic_at(cubic, 0.0f));
+  float u = 0.0f;
+  for (int k = 0; k < 4096 && any_lane(u < 1.0f); ++k) {
+    Part part = part_at(m, number);
+    float end = pick(u < turns.first, turns.first, pick(u < turns.second, turns.second, 1.0f));
+    float there = cubic_at(cubic, end);
+    bool above = there > part.place.y;
+    bool below = there < part.place.x;
+    if (any_lane(above || below)) {
+      float met = cubic_crossing(cubic, u, end, pick(above, part.place.y, part.place.x));
+      end = pick(above || below, clamp(met, u, end), end);
+    }
+    float share = end - u;
+    Colour next = before + beside * share;
+    if (any_lane(part.density.z > 0.0f && share > 0.0f && metres > 0.0f)) {
+      Lit lit;
+      if (splits(m)) {
+        lit = lit_between(m, crossing, ray, t + metres * u, metres * share);
+      } else {
+        lit = part_of_lit(whole, u, share);
+      }
+      Stretch amounts = amounts_of(part, cubic, u, share, metres, scattering_of(m), lit);
+      sent.radiance = sent.radiance + dimmed(sent_through(amounts, extinction_of(m), beside * share), before);
+      Colour depth = extinction_of(m) * max(depth_of(amounts), 0.0f);
+      sent.depth = sent.depth + depth;
+      next = next + depth;
+    }
+    before = next;
+    number = number + pick(above, 1.0f, pick(below, -1.0f, 0.0f));
+    u = end;
+  }
+  return sent;
+}
+
+// Nothing is asked of lights where all of a step's values are in parts that hold nothing.
 Sent sent_by_classified(int m, Crossing crossing, Ray ray, Cubic cubic, float t, float metres, Colour beside)
 {
   Sent sent;
@@ -83,11 +150,7 @@ Sent sent_by_classified(int m, Crossing crossing, Ray ray, Cubic cubic, float t,
   float low = min(min(s0, s1), min(s2, s3));
   float high = max(max(s0, s1), max(s2, s3));
   if (any_lane(metres > 0.0f && holds_any(m, low, high))) {
-    Lit lit;
-    lit.front = lit_by_all(m, crossing, ray, t);
-    lit.middle = lit_by_all(m, crossing, ray, t + 0.5f * metres);
-    lit.back = lit_by_all(m, crossing, ray, t + metres);
-    sent = sent_by_step(m, cubic, lit, metres, scattering_of(m), extinction_of(m), beside);
+    sent = sent_by_step(m, crossing, ray, cubic, t, metres, beside);
   }
   return sent;
 }

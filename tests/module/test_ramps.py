@@ -175,7 +175,10 @@ GRID = sfumato.Grid(blob().astype(np.float32))
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"radiated": TransferFunction([0, 1], [0, 0], [(0, 0, 0), (1, 1, 1)])}, "there is a radiated, but no transfer"),
+        (
+            {"radiated": TransferFunction([0, 1], [0, 0], [(0, 0, 0), (1, 1, 1)])},
+            "there is a radiated, but no transfer",
+        ),
         ({"transfer": TransferFunction([0, 1], [1, 0], [(1, 1, 1)] * 2)}, "transfer has 1 of extinction and .* at 0"),
         (
             {"transfer": TransferFunction([0, 1], [0, 1], [(0, 0, 0)] * 2), "colour": np.ones((N, N, N, 3))},
