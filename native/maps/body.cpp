@@ -26,8 +26,7 @@ Body body_of(const CroppedMedium &medium) {
     Body body;
     body.cells_to_world = medium.grid_to_world;
     body.cells = glm::dvec3(medium.grid->resolution);
-    body.cell_size = medium.cell_size;
-    body.fineness = medium.ramp ? medium.ramp->fineness : 1.0;
+    body.cell_size = medium.cell_size / (medium.ramp ? medium.ramp->fineness : 1.0);
     body.extinction = medium.extinction;
     body.visibility = medium.visibility;
     body.takes_light = medium.takes_light();

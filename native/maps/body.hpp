@@ -23,7 +23,6 @@ struct Body {
     glm::dmat4 cells_to_world{1.0};
     glm::dvec3 cells{0.0};
     double cell_size = 0.0;     // the shortest edge, metres
-    double fineness = 1.0;      // by how much its shadow is finer than that: under a transfer function
     glm::vec3 extinction{0.0F}; // per unit of column density
     Visibility visibility;
     bool takes_light = true; // else it only glows, and no light is asked about it

@@ -49,7 +49,7 @@ double texel_edge(const Body &body, const glm::dvec3 &towards) {
     const double shown = std::abs(glm::dot(glm::cross(m[0], m[1]), towards)) +
                          std::abs(glm::dot(glm::cross(m[1], m[2]), towards)) +
                          std::abs(glm::dot(glm::cross(m[2], m[0]), towards));
-    return std::max(body.cell_size, 0.25 * std::sqrt(shown)) / body.fineness;
+    return std::max(body.cell_size, 0.25 * std::sqrt(shown));
 }
 
 // Texels of at least the asked-for size, so many that they fill an extent within memory; the rim around them stays
@@ -146,7 +146,7 @@ LightMap plan_parallel_map(const Body &body, const glm::dvec3 &direction, const 
     }
     const glm::dmat4 light_to_grid = glm::inverse(body.cells_to_world) * glm::inverse(map.world_to_light);
     map.length = extent.z;
-    map.slices = slices_for(glm::length(glm::dvec3(light_to_grid[2])) * body.fineness);
+    map.slices = slices_for(glm::length(glm::dvec3(light_to_grid[2])));
     return map;
 }
 
@@ -211,7 +211,7 @@ LightMap plan_radial_map(const Body &body, const glm::dvec3 &position, const Lig
     map.low = glm::dvec3(glm::max(glm::dvec2(map.low) - rim, -1.0), map.low.z);
     map.high = glm::dvec3(glm::min(glm::dvec2(map.high) + rim, 1.0), map.high.z);
     map.length = map.high.z - map.low.z;
-    map.slices = slices_for(map.length / body.cell_size * body.fineness);
+    map.slices = slices_for(map.length / body.cell_size);
     return map;
 }
 

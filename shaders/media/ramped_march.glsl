@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// needs: camera light march medium phase preintegration ramp
+// needs: camera march medium preintegration ramp
 // The march of march.glsl where a medium's density is a transfer function of its grid. Each ray takes steps of its own:
 // none is longer than that of march(), and in a medium that splits() none crosses a plane through the centres of cells,
 // between which trilinear smoke is a cubic along a ray. Other media are met in the middle of each step.
