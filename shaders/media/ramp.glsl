@@ -87,7 +87,7 @@ float mean_density(int m, float front, float back)
   float s = min(front, back);
   float high = max(front, back);
   float number = part_of(m, s);
-  float first = contents_at(part_at(m, number), s).density;
+  float alone = contents_at(part_at(m, number), s).density;
   float sum = 0.0f;
   for (int k = 0; k < 4096 && any_lane(s < high); ++k) {
     Part part = part_at(m, number);
@@ -97,7 +97,7 @@ float mean_density(int m, float front, float back)
     number = min(number + 1.0f, last_part(m));
   }
   float width = abs(back - front);
-  return pick(width > 1e-30f, sum / max(width, 1e-30f), first);
+  return pick(width > 1e-30f, sum / max(width, 1e-30f), alone);
 }
 
 // Between two values, whether any part holds something.

@@ -53,7 +53,7 @@ def rays(count: int, n: int = N) -> tuple[Array, Array]:
 def seen(frame: Frame, start: Array, end: Array) -> Array:
     """(rays, 4): radiance and transmittance."""
     out = [frame.render(along(*ray), 3, 3)[1, 1].astype(np.float64) for ray in zip(start, end)]
-    return np.stack(out) * (1, 1, 1, -1) + (0, 0, 0, 1)
+    return np.asarray(np.stack(out) * (1, 1, 1, -1) + (0, 0, 0, 1), np.float64)
 
 
 def off(found: Array, wanted: Array) -> float:

@@ -120,7 +120,7 @@ def test_smoke_under_transfer_functions_is_the_same_picture() -> None:
         cpu = frame.glance(sfumato.Camera(np.reshape(seen.matrix, (4, 4))), *SIZE, spacing=1)
         picture = painter.Painter().picture("test", frame, seen)
         gpu = screen.read(picture.buffer, 0, SIZE)
-        assert cpu[..., :3].max() > 0.7 and cpu[..., 3].max() > 0.2
+        assert np.ptp(cpu[..., 2]) > 0.05, "there is no smoke"
         assert_same(f"ramps, {'coloured' if coloured else 'grey'}{', beside others' if beside else ''}", gpu, cpu)
 
 
