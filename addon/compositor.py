@@ -45,6 +45,8 @@ def _copy_of(scene: Any, view_layer: Any) -> Any:
     for layer in list(other.view_layers):
         if layer.name != view_layer.name:
             other.view_layers.remove(layer)
+        else:
+            layer.use_sky = False  # a volume of the world is in the other engine's own picture
     other.render.engine = "SFUMATO"
     other.render.film_transparent = True
     asked = passes.of(other.view_layers[0])

@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from . import compositor, props
+from .export import air
 
 NAMES_TOLD = 30  # in a tooltip, a line each
 
@@ -87,7 +88,7 @@ AIRS = {
     "CLEAR": _Preset(
         "Clear Day",
         "Air at sea level, as one sees it over many kilometres: of Intel's sample Light Scattering (Yusov 2013)",
-        {**_EVEN, "visibility": 3.912 / 2e-5, "rayleigh": 1.0, "anisotropy": 0.98, "phase": "henyey-greenstein"},
+        {**_EVEN, "visibility": air.UNSEEN / 2e-5, "rayleigh": 1.0, "anisotropy": 0.98, "phase": "henyey-greenstein"},
     ),
     "HAZE": _Preset(
         "Haze",

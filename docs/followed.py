@@ -84,7 +84,8 @@ def sentence(named: Any) -> str:
 
 def of_nodes() -> Iterator[str]:
     for node in nodes.FOLLOWED:
-        yield f"\n**{title_of(node.name)}**: {', '.join(node.followed)} are followed, and links into them named."
+        links = "as are links from the nodes below" if "ShaderNodeVolume" in node.name else "and links into them named"
+        yield f"\n**{title_of(node.name)}**: {', '.join(node.followed)} are followed, {links}."
         said = [f"*{socket.name}*: {socket.instead}" for socket in node.named]
         said += [f"*{name}*" for name in node.elsewhere]
         if said:
@@ -106,6 +107,9 @@ def title_of(name: str) -> str:
         "ShaderNodeBsdfGlossy": "Glossy BSDF (before 4.0)",
         "ShaderNodeBsdfAnisotropic": "Glossy BSDF, Anisotropic BSDF",
         "ShaderNodeVolumePrincipled": "Principled Volume",
+        "ShaderNodeVolumeScatter": "Volume Scatter",
+        "ShaderNodeVolumeAbsorption": "Volume Absorption",
+        "ShaderNodeVolumeCoefficients": "Volume Coefficients",
         "ShaderNodeOutputMaterial": "Material Output",
         "ShaderNodeOutputWorld": "World Output",
         "ShaderNodeOutputLight": "Light Output",

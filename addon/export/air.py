@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 
 # Of air at sea level, per metre: what Intel's "Light Scattering" sample (Yusov 2013) scatters by its molecules.
 MOLECULES = np.array((5.8e-6, 13.5e-6, 33.1e-6))
+_DENSEST = 1e20  # per metre: of what nodes make of an infinite density
 # Koschmieder's law (1924): the optical depth that leaves 2 % of a contrast.
 UNSEEN = -np.log(0.02)
 
@@ -43,7 +44,7 @@ NOTHING = Even(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
 def even_volume(output: Any, name: str, notices: list[str]) -> Even | None:
     """What fills a world or a mesh by its node of output, where there are no grids: attributes of theirs that are not there
     are as in Cycles. None where nothing is linked."""
-    look = shaders.of_output(output, name, notices, rayleigh=True)
+    look = shaders.of_output(output, name, notices, even=True)
     if look is None:
         return None
     emitted = sum((each[0] for each in fields.evaluate(look.emission, {})), np.zeros(3))
@@ -74,7 +75,13 @@ def even_volume(output: Any, name: str, notices: list[str]) -> Even | None:
 def has_volume(world: Any) -> bool:
     """Whether a world's own nodes fill it."""
     output = _output_of(world)
-    return output is not None and materials.linked_node(output, "Volume") is not None
+    return output is not None and is_filled(output)
+
+
+def is_filled(output: Any) -> bool:
+    """Whether a node of output has a volume that is not muted."""
+    linked = materials.linked_node(output, "Volume") is not None
+    return linked and shaders.of_output(output, "", [], even=True) is not None
 
 
 def _output_of(world: Any) -> Any | None:
@@ -105,7 +112,7 @@ def add_air(scene: Any, depsgraph: Any, origin: Array, space: Any, suns: list[st
     if volume is not None:
         if volume.emission.any():
             notices.append("World: its volume glows, but lights nothing by that")
-        if suns and not volume.is_nothing:
+        if suns and any(each.any() for each in (volume.rayleigh, volume.mie, volume.absorption)):
             notices.append(
                 f"World: in Cycles its volume, which never ends, lets no light of suns through; here {_listed(suns)} "
                 "as if there were none of it on the way"
@@ -117,6 +124,9 @@ def add_air(scene: Any, depsgraph: Any, origin: Array, space: Any, suns: list[st
         return
     if own.directed:
         shape["tint"] = own.shaft_strength * np.array(own.shaft_color, np.float64)
+    if max(each.max() for each in (volume.rayleigh, volume.mie, volume.absorption, volume.emission)) > _DENSEST:
+        notices.append("World: its air is left out: it is denser than any can be")
+        return
     try:
         scene.set_air(volume.rayleigh, volume.mie, volume.absorption, volume.emission, volume.anisotropy, **shape)
     except ValueError as error:

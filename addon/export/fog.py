@@ -46,7 +46,7 @@ def volume_of(thing: Any, depsgraph: Any, notices: list[str]) -> air.Even | None
 
 def _fills(material: Any) -> bool:
     output = materials.active_output(material)
-    return output is not None and materials.linked_node(output, "Volume") is not None
+    return output is not None and air.is_filled(output)
 
 
 def vessel_of(thing: Any, depsgraph: Any, parts: Parts) -> Vessel | None:

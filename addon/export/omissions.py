@@ -12,7 +12,6 @@ from typing import Any
 
 import bpy
 
-from .. import compat
 from .known import RENDER, Named, Node, nodes, objects, scenes
 
 _TABLES = (*scenes.STRUCTS, *objects.STRUCTS)
@@ -85,17 +84,8 @@ def of_frame(depsgraph: Any, world: Any | None, space: Any, notices: list[str], 
     camera = camera or _camera_of(space) or scene.camera
     if camera is not None and (space is None or _looks_through(space)):
         of("camera", camera.data, camera.name, notices)
-    if world is not None:
-        _of_world(world, scene.render.film_transparent or not layer.use_sky, notices)
-
-
-def _of_world(world: Any, unseen: bool, notices: list[str]) -> None:
-    if not unseen:
+    if world is not None and not scene.render.film_transparent and layer.use_sky:
         of("world", world, "World", notices)
-    tree = world.node_tree if compat.uses_nodes(world) else None
-    for node in () if tree is None else tree.nodes:
-        if node.type == "OUTPUT_WORLD" and node.is_active_output:
-            of_node(node, "World", notices)
 
 
 def _camera_of(space: Any) -> Any | None:

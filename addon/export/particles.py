@@ -9,7 +9,7 @@ are instances of meshes like all others.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -271,7 +271,7 @@ def volume_look(material: Any, name: str, notices: list[str]) -> Look | None:
     smoke = look.everywhere()
     if look.emission:
         notices.append(said(name, "dark"))
-    for attribute in {*look.attributes, smoke.tint} - {"", "density"}:
+    for attribute in sorted({*replace(look, emission=()).attributes, smoke.tint} - {"", "density"}):
         notices.append(said(name, "alike", value=attribute))
     most = float(smoke.extinction.max())
     albedo = np.divide(smoke.scattering, smoke.extinction, out=np.zeros(3), where=smoke.extinction > 0.0)

@@ -216,6 +216,10 @@ def export(
         for kind, which in group.divided(seen).items() if group.surfaces else ():
             lit += add_surfaces(out, group, which, matrices, *kind)
         for of, which in group.filled(smoke_seen).items():
+            if (
+                lies_over and space is not None and space.shading.type == "MATERIAL"
+            ):  # where Blender's own picture has it
+                of = (of or Visibility())._replace(seen="unseen")
             add_fog(out, group, which, matrices, of)
     add_points(out, points, parts, seen, smoke_seen)
     if lit == 0:

@@ -177,7 +177,7 @@ def _fire(
     """What glows by one of an object's grids, or everywhere."""
     values = grids.get(emitter.attribute) or grids.get(density) or next(iter(grids.values()))
     if emitter.attribute not in grids:
-        values = replace(values, cells=np.zeros_like(values.cells))
+        values = replace(values, cells=np.zeros(values.cells.shape[:3], np.float32))
     filled = np.zeros(0, np.bool_)
     if emitter.of(np.zeros(1)).any():
         values, filled = voxels.enclosed(values, grids)

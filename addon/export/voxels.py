@@ -44,10 +44,11 @@ def enclosed(values: Values, grids: dict[str, Values]) -> tuple[Values, NDArray[
     axes = values.grid_to_object[:3, :3]
     alike = [other for other in grids.values() if np.allclose(other.grid_to_object[:3, :3], axes)]
     low = (np.min([other.first for other in alike], axis=0) - 1) // fire.BLOCK * fire.BLOCK
-    high = -(-(np.max([other.first + other.cells.shape for other in alike], axis=0) + 1) // fire.BLOCK) * fire.BLOCK
+    high = -(-(np.max([other.first + other.cells.shape[:3] for other in alike], axis=0) + 1) // fire.BLOCK) * fire.BLOCK
     active, cells = np.zeros(high - low, np.bool_), np.zeros(high - low, np.float32)
     for other in alike:
-        active[other.room_in(low)] |= other.cells > CLIPPING
+        found = other.cells.any(axis=3) if other.cells.ndim == 4 else other.cells
+        active[other.room_in(low)] |= found > CLIPPING
     cells[values.room_in(low)] = values.cells
     moved = values.grid_to_object.copy()
     moved[:3, 3] += axes @ (low - values.first)[::-1]

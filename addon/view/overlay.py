@@ -92,7 +92,8 @@ class _Overlay:
         if anew:
             self._frames.clear()
         space, quality = context.space_data, props.of(context.scene).quality
-        key = (context.scene.as_pointer(), context.view_layer.name, quality, *scene.filter_of(space))
+        shading = space.shading.type, space.shading.use_scene_world  # of which no update tells
+        key = (context.scene.as_pointer(), context.view_layer.name, quality, shading, *scene.filter_of(space))
         if key not in self._frames:
             self._frames[key] = None  # a failure waits for the next change
             drawn = set() if anew else self.hidden(context.scene, context.view_layer)

@@ -124,7 +124,8 @@ class Painter:
 
     def _make_picture(self, view: _View, frame: Any, look: Look, refined: Any, spacing: int) -> Picture:
         """With a spacing above 1, at a glance."""
-        camera = look.camera()
+        if not look.sorts(frame):
+            self.sorted_by = ""
         if refined is None and look.sorts(frame):
             drawn = self._drawn_picture(view, frame, look, spacing)
             if drawn is not None:

@@ -37,7 +37,7 @@ def way_of(asked: str, frame: Any, software: bool) -> Way:
         return Way("", "the processor, as chosen")
     if not frame.drawable:
         return Way(
-            "", "the processor: with it there is smoke of grids, a holdout or a shadow catcher, or colored glass"
+            "", "the processor: with it there is smoke of grids, air, a holdout or a shadow catcher, or colored glass"
         )
     if asked == AUTO and software:
         return Way("", "the processor: there is no graphics card")

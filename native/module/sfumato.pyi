@@ -30,6 +30,14 @@ class Frame:
         air_texels: int = 1024,
     ) -> None: ...
     @property
+    def air(self) -> bool:
+        """Whether air fills the world, or a mesh."""
+    @property
+    def drawable(self) -> bool:
+        """Whether what is sorted can be drawn by a GPU, as sprites() and triangles(): none of it takes one colour
+        more than another, there are no grids and no air to sort it with, and no surface behind it is held out or
+        catches shadows.
+        """
     def glance(
         self,
         camera: Camera,
@@ -105,6 +113,13 @@ class Frame:
         """The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom."""
     @property
     def sorted(self) -> bool:
+        """Whether anything else than grids may lie before an opaque surface, such as transparent meshes, or air: no
+        march through grids shows that.
+        """
+    def sprites(self, camera: Camera, past_smoke: bool = True) -> tuple[Any, ...]:
+        """Of a drawable frame the particles that a camera sees, as Transparency of the add-on draws them: points (n,
+        3); radius (n,); opacity (n,) through the middle; colour (n, 3), the radiance that each sends to the eye
+        at an opacity of 1, past solids and, unless past_smoke says otherwise, past all smoke and particles.
         """
     @property
     def stages(self) -> dict:

@@ -247,7 +247,7 @@ WORLD = Struct(
     "world",
     followed={
         "a Background of one color, as a backdrop": "node_tree use_nodes color",
-        "a volume that is the same everywhere: Volume Scatter and Absorption, Principled Volume, Emission, and their sum; "
+        "a volume that is the same everywhere: any volume shaders, their sums and mixtures; "
         "of suns, which Cycles blacks out in it, the light as it would be without": "",
         "the pass Mist": "mist_settings",
     },

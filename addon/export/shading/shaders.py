@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import compat
-from .. import materials, omissions
+from .. import materials
 from . import fields
 from .fields import Field
 from .reading import Place, Reader
@@ -74,7 +74,7 @@ def look_of(thing: Any, depsgraph: Any, notices: list[str]) -> Look | None:
             return look
     if thing.type == "VOLUME":
         return None
-    notices.append(f"{thing.name}: no Principled Volume in its material; shown as white smoke of density 1")
+    notices.append(f"{thing.name}: no volume in its material; shown as white smoke of density 1")
     return Look(_WHITE)
 
 
@@ -87,9 +87,9 @@ def of_material(material: Any, owner: str, notices: list[str]) -> Look | None:
     return None if output is None else of_output(output, owner, notices)
 
 
-def of_output(output: Any, owner: str, notices: list[str], *, rayleigh: bool = False) -> Look | None:
-    """What fills the volume of a node of output, a material's or a world's; with Rayleigh's phase function where that can be
-    shown, which is named else."""
+def of_output(output: Any, owner: str, notices: list[str], *, even: bool = False) -> Look | None:
+    """What fills the volume of a node of output, a material's or a world's. Where it is the same everywhere Rayleigh's phase
+    function can be shown, which is named else."""
     reader = Reader(owner, notices)
     found = list(_added(reader, Place(output), "Volume", fields.constant(1.0)))
     if not found:
@@ -101,7 +101,7 @@ def of_output(output: Any, owner: str, notices: list[str], *, rayleigh: bool = F
     plain = _plain(reader, scatterers)
     if plain is not None:
         return Look(plain, emission=emission)
-    bodies = [_body(reader, place, weight, rayleigh) for place, weight in scatterers]
+    bodies = [_body(reader, place, weight, even) for place, weight in scatterers]
     shining = [body for body in bodies if not _is_black(body.scattering)]
     if len(shining) > 1 and not compat.phases_share_light():
         notices.append(
@@ -109,7 +109,7 @@ def of_output(output: Any, owner: str, notices: list[str], *, rayleigh: bool = F
             "here, each its own"
         )
     grouped = _grouped([body for body in bodies if not _is_clear(body)])
-    if len(grouped) > 1 and compat.phases_share_light():
+    if len(grouped) > 1 and compat.phases_share_light() and not even:
         notices.append(
             f"{owner}: its shaders scatter by {len(grouped)} anisotropies, each in its own color; in Cycles, all colors are "
             "shared out among them alike"
@@ -191,7 +191,6 @@ def _plain(reader: Reader, found: list[tuple[Place, Field]]) -> materials.Smoke 
     attribute = place.node.inputs["Density Attribute"].default_value
     if density is None or colour is None or absorbed is None or anisotropy is None or not attribute:
         return None
-    omissions.of_node(place.node, reader.owner, reader.notices)
     tint = place.node.inputs["Color Attribute"].default_value
     opaque: NDArray[np.float64] = np.maximum(absorbed[0], 0.0)
     shown: NDArray[np.float64] = np.maximum(colour[0], 0.0)
@@ -209,15 +208,15 @@ def _is_one(weight: Field) -> bool:
 _MOST = 0.999  # of an anisotropy
 
 
-def _body(reader: Reader, place: Place, weight: Field, rayleigh: bool) -> Body:
+def _body(reader: Reader, place: Place, weight: Field, even: bool) -> Body:
     node = place.node
-    coefficients = _coefficients(reader, place, weight)
-    if rayleigh and getattr(node, "phase", "") == "RAYLEIGH":
+    coefficients = _coefficients(reader, place, weight, even)
+    if even and getattr(node, "phase", "") == "RAYLEIGH":
         return Body(*coefficients, fields.constant(0.0), rayleigh=True)
     return Body(*coefficients, _anisotropy(reader, place))
 
 
-def _coefficients(reader: Reader, place: Place, weight: Field) -> tuple[Field, Field]:
+def _coefficients(reader: Reader, place: Place, weight: Field, even: bool) -> tuple[Field, Field]:
     """What a shader scatters and what it absorbs."""
     node = place.node
     black = fields.constant((0.0, 0.0, 0.0))
@@ -241,6 +240,9 @@ def _coefficients(reader: Reader, place: Place, weight: Field) -> tuple[Field, F
             for which in ("Scatter", "Absorption")
         )
         return scattering, absorption
+    if even:
+        reader.notices.append(f"{reader.owner}: its volume shader {node.bl_rna.name} is not shown; it fills nothing")
+        return black, black
     reader.notices.append(f"{reader.owner}: its volume shader {node.bl_rna.name} is shown as white smoke of density 1")
     white = _scaled(
         _math("MULTIPLY", weight, fields.grid("density", "Fac", absent=1.0)), fields.constant((1.0, 1.0, 1.0))

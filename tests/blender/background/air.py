@@ -178,13 +178,10 @@ def test_what_of_it_is_not_followed_is_named() -> None:
     place("POINT")
     fill("BsdfDiffuse")
     assert any("Diffuse BSDF is not shown" in line for line in said()), said()
-    place("POINT")
-    put(*fill("VolumeAbsorption"), Color=(1.5, 0.5, 0.5))
-    assert any("above 1" in line for line in said()), said()
     if "phase" in bpy.types.ShaderNodeVolumeScatter.bl_rna.properties:
         place("POINT")
         fill("VolumeScatter")[0].phase = "MIE"
-        assert any("the phase Mie" in line for line in said()), said()
+        assert any("phase function Mie" in line for line in said()), said()
 
 
 def test_values_that_cannot_be_are_refused_or_none() -> None:

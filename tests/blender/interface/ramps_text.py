@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The text of pre-integration as GLSL, a stretch of smoke or a cell's cubic a pixel: the module's answers. Test-only
-GLSL: nothing draws with it yet."""
+"""The text of pre-integration as GLSL, a stretch of smoke or a cell's cubic a pixel: the module's answers."""
 
 from __future__ import annotations
 
