@@ -257,7 +257,9 @@ private:
             fragments_.pass(met);
             at = to;
         }
-        if (particles_in(slice) || airs_.any()) {
+        // What grids send before a slice is not behind any of it.
+        const bool enters = slice + 1 < slices_.count && particles_in(slice + 1);
+        if (particles_in(slice) || enters || airs_.any()) {
             advance(slice, (far - at) * by, far);
         }
     }

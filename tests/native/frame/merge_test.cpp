@@ -221,6 +221,22 @@ TEST(Merge, MixesParticlesWithTheSmokeOfGrids) {
     expect_merged(ray, 1e-3, "all three, ");
 }
 
+TEST(Merge, DimsNothingThatGridsSendBeforeParticles) {
+    Case ray;
+    ray.grid_from = 0.5;
+    ray.grid_to = 1.5;
+    ray.grid_density = 0.6;
+    ray.grid_sends = 0.5;
+    ray.first = 2.0;
+    ray.width = 0.5;
+    ray.depth = {1.5, 0.0, 0.8};
+    ray.sent = {{0.7, 0.7, 0.1}, {0.0, 0.0, 0.0}, {0.2, 0.3, 0.4}};
+    expect_merged(ray, 1e-4, "a grid before slices, ");
+    ray.grid_from = 2.5;
+    ray.grid_to = 3.0;
+    expect_merged(ray, 1e-4, "a grid between slices, ");
+}
+
 TEST(Merge, MixesAirWithAllElse) {
     Case ray;
     ray.air_density = 0.3;
