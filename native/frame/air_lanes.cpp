@@ -237,21 +237,21 @@ public:
     void add(Real from, Real to, Real (&sum)[3]) const {
         const std::size_t bodies = way_.frame.extinctions.size();
         const bool followed = map() != nullptr && map()->sheets.first == nullptr;
-        bool smoky = false;
+        const LightMapView *smoke = nullptr;
+        std::size_t smoky = 0;
         for (std::size_t m = 0; m < light_.samples.size() * bodies; ++m) {
-            smoky = smoky || !(light_.maps[m].empty() || light_.maps[m].clear());
+            if (!(light_.maps[m].empty() || light_.maps[m].clear())) {
+                smoke = smoky++ == 0 ? light_.maps + m : smoke;
+            }
         }
-        if (!followed || (smoky && light_.samples.size() > 1)) {
+        // Of several bodies, or points of the light, no one's map says where the light changes.
+        if (!followed || smoky > 1) {
             add_by_parts(map(), from, to, at_, sum);
             return;
         }
         // Solids leave stretches, and smoke some of the light in these.
-        const LightMapView *smoke = nullptr;
         ArrivingAt past_solids = at_;
         past_solids.own = -1;
-        for (std::size_t m = 0; m < bodies && smoky && smoke == nullptr; ++m) {
-            smoke = light_.maps[m].empty() || light_.maps[m].clear() ? nullptr : light_.maps + m;
-        }
         for (std::size_t j = 0; j < light_.samples.size(); ++j) {
             const LightMapView &solids = light_.maps[j * bodies + static_cast<std::size_t>(way_.body)];
             const Real weight = sample_share(light_, light_.samples[j], way_.ray.origin);
@@ -364,7 +364,7 @@ public:
     }
 
     void add(Real from, Real to, Real (&sum)[3]) const {
-        const float squeeze = (1.0F - way_.air.anisotropy) / (1.0F + way_.air.anisotropy);
+        const Real squeeze = AirText().squeeze_of(Real(way_.air.anisotropy));
         // Where air ends with height, none is so thin that its end is known.
         const glm::vec3 &e = way_.air.extinction;
         const float least = way_.of_world() && way_.air.even() ? std::min({e.x, e.y, e.z}) : 0.0F;
@@ -478,6 +478,9 @@ void sent_between(const Way &way, Real from, Real to, Real (&sum)[3]) {
     for (int c = 0; c < 3; ++c) {
         const int of = c < way.colours ? c : 0;
         sum[c] = sum[c] + AirText().lit_by_sun(column, front.of[of], back.of[of]) * way.air.emission[c];
+    }
+    if (way.air.rayleigh == glm::vec3(0.0F) && way.air.mie == glm::vec3(0.0F)) {
+        return;
     }
     for (const LightView &light : way.frame.lights) {
         if (!light.reach.smoke || (light.reach.lights & way.air.lit_by) == 0 || light.samples.empty()) {

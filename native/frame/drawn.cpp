@@ -170,7 +170,8 @@ private:
 } // namespace
 
 bool Frame::drawable() const {
-    return content_.media.empty() && content_.air.empty() && content_.grey && content_.surfaces->dims_greyly() && covers();
+    return content_.media.empty() && content_.air.empty() && content_.grey && content_.surfaces->dims_greyly() &&
+           covers();
 }
 
 Sprites Frame::sprites(const Camera &camera, bool past_smoke) const {

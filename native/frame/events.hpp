@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What lies before the first opaque surface on the rays of a packet: fragments and slices of particles, and what a
-// march through grids leaves where there are such. The merge (merge_lanes.cpp) composites all three in order of depth.
+// march through grids, and air, leave where there are such. The merge (merge_lanes.cpp) composites all in order of
+// depth.
 #pragma once
 
 #include "text/dispatch.hpp"

@@ -53,7 +53,7 @@ public:
     void transmittance(std::size_t light, std::span<const float> points, std::span<float> rgb) const;
 
     // Whether all that lies before opaque surfaces can be drawn by a GPU, in one batch: none of it takes one colour
-    // more than another, and there are no grids that it would have to be sorted with.
+    // more than another, and there are no grids and no air that it would have to be sorted with.
     [[nodiscard]] bool drawable() const;
     // What is drawn then, as a camera sees it. Of particles those that it sees, in the shadow of smoke or without that.
     [[nodiscard]] Sprites sprites(const Camera &camera, bool past_smoke) const;

@@ -190,13 +190,8 @@ void march(const FrameView &frame, const Packet &packet, Layers &out) {
     }
 }
 
-extern const FrameKernels frame_kernels{trace_surfaces,
-                                        trace_sheets,
-                                        trace_strands,
-                                        trace_particles,
-                                        march,
-                                        trace_air,
-                                        merge,
-                                        {light_puffs, light_strands, light_sheets}};
+extern const FrameKernels frame_kernels{
+    trace_surfaces, trace_sheets, trace_strands, trace_particles,
+    march,          trace_air,    merge,         {light_puffs, light_strands, light_sheets}};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -44,16 +44,20 @@ std::vector<Body> bodies_of(const Making &making, Content &content) {
     for (const std::shared_ptr<const Fog> &fog : content.fogs) {
         bodies.push_back(body_of(fog, std::max(making.settings.air_texels / 2, 1))); // the world is larger
     }
+    std::vector<Body> hair;
+    for (const Strands &strands : content.strands) {
+        hair.push_back(body_of(strands));
+    }
     if (content.world_air) {
         // What throws shadows in it.
-        if (const std::optional<Body> body = air_body(*content.surfaces, bodies, making.settings.air_texels)) {
+        std::vector<Body> casters = bodies;
+        casters.insert(casters.end(), hair.begin(), hair.end());
+        if (const std::optional<Body> body = air_body(*content.surfaces, casters, making.settings.air_texels)) {
             content.air_body = static_cast<int>(bodies.size());
             bodies.push_back(*body);
         }
     }
-    for (const Strands &strands : content.strands) {
-        bodies.push_back(body_of(strands));
-    }
+    bodies.insert(bodies.end(), hair.begin(), hair.end());
     return bodies;
 }
 

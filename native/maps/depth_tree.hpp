@@ -30,7 +30,6 @@ public:
     [[nodiscard]] DepthTreeView view() const {
         return {low.data(), high.data(), first.data(), row.data(), levels, width, height};
     }
-    [[nodiscard]] std::size_t bytes() const { return sizeof(float) * (low.size() + high.size()); }
 
 private:
     std::vector<float> low, high;

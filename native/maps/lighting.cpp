@@ -110,6 +110,7 @@ void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &sett
                 LightMapSettings solids = map;
                 solids.coefficients = 1;
                 solids.texels_per_cell = samples_[i].size() > 1 ? 0.5 : 1.0;
+                solids.blur = 0.0;
                 map.blur = map.shared ? shadow_blur(views_[i], body) : 0.0;
                 made.push_back(
                     build_map(views_[i], glm::dvec3(sample), body, surfaces, body.clear ? solids : map, with, parts));

@@ -471,12 +471,13 @@ the square of the light's size, as in falloff() of shaders/lights/light.glsl, or
         .def_property_readonly("grey", &Frame::grey, "Whether all smoke takes all colours alike: one march does.")
         .def_property_readonly(
             "opaque", &Frame::opaque,
-            "Whether every surface that lets nothing through has an alpha of 1: none is held out, or "
+            "Whether the first surface on each ray has an alpha of 1: none is transparent, held out, or "
             "catches shadows.")
-        .def_property_readonly("drawable", &Frame::drawable,
-                               "Whether what is sorted can be drawn by a GPU, as sprites() and triangles(): none of it "
-                               "takes one colour more than another, there are no grids and no air to sort it with, and no "
-                               "surface behind it is held out or catches shadows.")
+        .def_property_readonly(
+            "drawable", &Frame::drawable,
+            "Whether what is sorted can be drawn by a GPU, as sprites() and triangles(): none of it "
+            "takes one colour more than another, there are no grids and no air to sort it with, and no "
+            "surface behind it is held out or catches shadows.")
         .def_property_readonly("particles", &Frame::particles, "Whether the camera sees any particles.")
         .def_property_readonly("air", &Frame::air, "Whether air fills the world, or a mesh.")
         .def_property_readonly("sorted", &Frame::sorted,

@@ -70,7 +70,9 @@ class Frame:
         """A list of LitMedium, those that hold any smoke and that the camera sees."""
     @property
     def opaque(self) -> bool:
-        """Whether every surface that lets nothing through has an alpha of 1: none is held out, or catches shadows."""
+        """Whether the first surface on each ray has an alpha of 1: none is transparent, held out, or catches
+        shadows.
+        """
     @property
     def origin(self) -> NDArray[numpy.float64]:
         """The scene's, (3,): the place in the world to which cameras and points are relative."""

@@ -73,8 +73,8 @@ glm::dvec3 transmittance(const Particles &particles, const glm::dvec3 &from, con
 // ---- Air (world_air.cpp) ----
 
 glm::dvec3 transmittance(const Air &air, const glm::dvec3 &from, const glm::dvec3 &to);
-// Towards a sun, whose irradiance is that which arrives: even air of the world lets all of it through, and air that ends with height
-// what is left by that above.
+// Towards a sun, whose irradiance is that which arrives: even air of the world lets all of it through, and air that
+// ends with height what is left by that above.
 glm::dvec3 transmittance_to_infinity(const Air &air, const glm::dvec3 &from, const glm::dvec3 &towards);
 // What it scatters there at an angle, per metre and steradian, of light of irradiance 1; and what it emits, per metre.
 glm::dvec3 scattered(const Air &air, const glm::dvec3 &world, double cos_theta);

@@ -344,17 +344,12 @@ SurfaceView Surfaces::view() const {
 }
 
 std::optional<Box> Surfaces::bounds() const {
-    std::optional<Box> box;
-    for (const std::shared_ptr<const Places> &places : {all_, sheets_}) {
-        if (places == nullptr) {
-            continue;
-        }
-        RTCBounds of;
-        rtcGetSceneBounds(places->scene.get(), &of);
-        const glm::dvec3 low(of.lower_x, of.lower_y, of.lower_z), high(of.upper_x, of.upper_y, of.upper_z);
-        box = box ? Box{glm::min(box->low, low), glm::max(box->high, high)} : Box{low, high};
+    if (all_ == nullptr) {
+        return std::nullopt;
     }
-    return box;
+    RTCBounds of;
+    rtcGetSceneBounds(all_->scene.get(), &of);
+    return Box{{of.lower_x, of.lower_y, of.lower_z}, {of.upper_x, of.upper_y, of.upper_z}};
 }
 
 std::shared_ptr<const Places> Surfaces::hiding(const Light &light) const {

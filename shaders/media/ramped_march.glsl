@@ -210,7 +210,8 @@ Smoke march_ramped(Ray ray, float reach)
       }
       end = min(end, max(limit, behind));
     }
-    end = pick(met_any, min(end, t + dt), end);
+    // Far from the eye a step may be less than what changes t.
+    end = pick(met_any, min(end, t + max(dt, t * 4e-7f)), end);
     end = pick(marching, min(end, far_t), t);
     if (any_lane(met_any)) {
       float metres = pick(met_any, end - t, 0.0f);

@@ -191,13 +191,11 @@ TEST(March, OfAUniformCubeIsWhatItTakesFromTheRay) {
 
 // Without a transfer function both marches are one, but for where steps begin and end.
 TEST(March, OfRampsIsTheSameWhereThereIsNone) {
-    for (const float full : {0.0F, 60.0F}) {
-        MarchText text{{2, 1.0F, 0.25F, full}}, ramped{{2, 1.0F, 0.25F, full}};
-        const MarchText::Smoke wanted = text.march(AHEAD, 10.0F), smoke = ramped.march_ramped(AHEAD, 10.0F);
-        EXPECT_NEAR(smoke.depth, wanted.depth, 2e-2F);
-        EXPECT_NEAR(smoke.radiance.x, wanted.radiance.x, 1e-2F);
-        EXPECT_NEAR(smoke.radiance.z, wanted.radiance.z, 1e-2F);
-    }
+    MarchText text{{2, 1.0F, 0.25F}}, ramped{{2, 1.0F, 0.25F}};
+    const MarchText::Smoke wanted = text.march(AHEAD, 10.0F), smoke = ramped.march_ramped(AHEAD, 10.0F);
+    EXPECT_NEAR(smoke.depth, wanted.depth, 1e-4F);
+    EXPECT_NEAR(smoke.radiance.x, wanted.radiance.x, 1e-4F);
+    EXPECT_NEAR(smoke.radiance.z, wanted.radiance.z, 1e-4F);
 }
 
 TEST(March, GoesThroughAllMediaInTheOrderOfTheRay) {
