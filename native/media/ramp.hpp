@@ -20,7 +20,7 @@ struct MediumRamp {
     std::vector<float> rows;      // as RampView has them
     std::vector<float> clearance; // as Grid has it
     bool takes_light = false;     // anywhere; else it only glows
-    double fineness = 1.0;        // by how much what is met is finer than cells, at most 3: so are the texels of its light maps
+    double fineness = 1.0;        // by how much what is met is finer than cells, at most 3; so are texels of its maps
 
     [[nodiscard]] int parts() const;
     // All that a column of density along a light's ray depends on.
