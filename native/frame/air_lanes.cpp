@@ -237,22 +237,27 @@ public:
     void add(Real from, Real to, Real (&sum)[3]) const {
         const std::size_t bodies = way_.frame.extinctions.size();
         const bool followed = map() != nullptr && map()->sheets.first == nullptr;
-        const LightMapView *smoke = nullptr;
-        std::size_t smoky = 0;
+        // Of several bodies no one's map says where the light changes.
+        std::size_t shading = bodies;
+        bool several = false;
         for (std::size_t m = 0; m < light_.samples.size() * bodies; ++m) {
             if (!(light_.maps[m].empty() || light_.maps[m].clear())) {
-                smoke = smoky++ == 0 ? light_.maps + m : smoke;
+                several = several || (shading != bodies && shading != m % bodies);
+                shading = m % bodies;
             }
         }
-        // Of several bodies, or points of the light, no one's map says where the light changes.
-        if (!followed || smoky > 1) {
+        if (!followed || several) {
             add_by_parts(map(), from, to, at_, sum);
             return;
         }
-        // Solids leave stretches, and smoke some of the light in these.
+        // Of each point of the light solids leave stretches, and smoke some of the light in these.
         ArrivingAt past_solids = at_;
         past_solids.own = -1;
         for (std::size_t j = 0; j < light_.samples.size(); ++j) {
+            const LightMapView *const smoke = shading == bodies || light_.maps[j * bodies + shading].empty()
+                                                  ? nullptr
+                                                  : light_.maps + j * bodies + shading;
+            past_solids.only = static_cast<int>(j);
             const LightMapView &solids = light_.maps[j * bodies + static_cast<std::size_t>(way_.body)];
             const Real weight = sample_share(light_, light_.samples[j], way_.ray.origin);
             const LineOnMap line = line_on(solids, way_.ray.origin, way_.ray.direction, from, to);

@@ -55,6 +55,11 @@ struct Arriving {
     Real share; // of the light's falloff() that gets past solids and the edges of its cone
 };
 
+// Where a place lies on a map, behind the depth at which that begins. Elsewhere its body takes nothing.
+inline Mask beneath(const vec3 &place) {
+    return (place.z > 0.0F) & (min(place.x, place.y) >= 0.0F) & (max(place.x, place.y) <= 1.0F);
+}
+
 // Averages over the light's samples: of what each brings, what solids let through, and of that what smoke and sheets
 // let through, as the optical depth of the mean transmittance. Behind solids nothing arrives, but between a lit cell
 // and one behind a solid the smoke's own depth is what must be interpolated: there it is taken without the solids.
@@ -65,7 +70,9 @@ inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
     Real past_solids = 0.0F, sent = 0.0F;
     Real past_smoke[3] = {0.0F, 0.0F, 0.0F}, unblocked[3] = {0.0F, 0.0F, 0.0F};
     Arriving out;
-    for (std::size_t j = 0; j < light.samples.size(); ++j) {
+    const std::size_t first = at.only < 0 ? 0 : static_cast<std::size_t>(at.only);
+    const std::size_t end = at.only < 0 ? light.samples.size() : first + 1;
+    for (std::size_t j = first; j < end; ++j) {
         const LightMapView *maps = light.maps + static_cast<std::ptrdiff_t>(j) * bodies;
         const Real weight = sample_share(light, light.samples[j], world);
         Real visible = weight;
@@ -75,6 +82,9 @@ inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
                 continue;
             }
             const vec3 place = place_on(maps[m], world);
+            if (m != at.own && !xsimd::any(beneath(place))) {
+                continue;
+            }
             const Texels texels = locate(maps[m], place.x, place.y);
             const glm::vec3 &extinction = at.extinctions[static_cast<std::size_t>(m)];
             add_optical_depth(maps[m], texels, place, &extinction.x, colours, depth);
@@ -96,7 +106,7 @@ inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
         sent = sent + weight;
         for (int c = 0; c < colours; ++c) {
             out.optical_depth[c] = depth[c];
-            if (light.samples.size() > 1) {
+            if (end - first > 1) {
                 const Real left = RaysText().transmittance_of(depth[c]);
                 past_smoke[c] = past_smoke[c] + visible * left;
                 unblocked[c] = unblocked[c] + weight * left;
@@ -104,7 +114,7 @@ inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
         }
     }
     out.share = past_solids;
-    if (light.samples.size() > 1) {
+    if (end - first > 1) {
         constexpr float LITTLE = 1e-6F, DARK = 1e-12F;
         for (int c = 0; c < colours; ++c) {
             const Real open = max(unblocked[c], DARK) / max(sent, DARK);

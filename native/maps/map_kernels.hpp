@@ -84,6 +84,7 @@ struct ArrivingAt {
     int own = 0;
     bool grey = true;             // all extinctions are
     const AirView *air = nullptr; // the world's; null where there is none
+    int only = -1;                // this sample of the light; or all
 };
 
 // Fills a box of cells of one light's volume: a slice, or a brick.

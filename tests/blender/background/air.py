@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import bpy
 import harness
@@ -77,11 +79,15 @@ def beside_cycles(case: str, samples: int = 256, size: tuple[int, int] = SIZE) -
     assert error < MOST, (case, error)
 
 
+def lift_lamp() -> None:
+    """Out of sight. A glow is as steep as a lamp is small: where one looks into it, the filters of pixels are compared."""
+    bpy.context.scene.objects["Lamp"].location.z += 0.8
+
+
 def test_lamps_in_scattering_air_are_as_in_cycles() -> None:
     for kind, anisotropy in (("POINT", 0.7), ("SPOT", 0.3), ("AREA", -0.4)):
         place(kind)
-        # A glow is as steep as a lamp is small: where one looks into it, the filters of pixels are compared.
-        bpy.context.scene.objects["Lamp"].location.z += 0.8
+        lift_lamp()
         (scatter,) = fill("VolumeScatter")
         put(scatter, Color=(0.9, 0.6, 0.3), Density=0.12, Anisotropy=anisotropy)
         beside_cycles(f"{kind.lower()}, anisotropy {anisotropy}")
@@ -89,11 +95,13 @@ def test_lamps_in_scattering_air_are_as_in_cycles() -> None:
 
 def test_sums_of_volume_shaders_are_as_in_cycles() -> None:
     place("POINT")
+    lift_lamp()
     scatter, absorption = fill("VolumeScatter", "VolumeAbsorption")
     put(scatter, Color=(0.8, 0.8, 0.8), Density=0.08)
     put(absorption, Color=(0.2, 0.6, 0.9), Density=0.15)
     beside_cycles("scattering and absorption")
     place("POINT")
+    lift_lamp()
     (principled,) = fill("VolumePrincipled")
     put(principled, Color=(0.7, 0.4, 0.6), Absorption_Color=(0.5, 0.1, 0.3), Density=0.2, Anisotropy=0.2)
     beside_cycles("principled")
@@ -262,6 +270,13 @@ def test_its_height_is_of_the_world() -> None:
 
 
 def test_directed_shafts_multiply_what_the_air_scatters_alone() -> None:
+    """In pixels that are looked at once: which are refined depends on what is in them."""
+    name = props.of(bpy.context.scene).quality
+    with mock.patch.dict(props.QUALITIES, {name: replace(props.QUALITIES[name], edge_samples=1)}):
+        directed_shafts()
+
+
+def directed_shafts() -> None:
     place("SPOT")
     own = own_air(visibility=25.0)
     plain = pictures.render(SIZE)[..., :3]
