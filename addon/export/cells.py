@@ -20,7 +20,7 @@ Cells = NDArray[np.float32]
 Array = NDArray[np.float64]
 
 _AT_ONCE = 1 << 17  # cells, so that what is in between stays small
-_MOST_CELLS = 1 << 31  # of the lattice of all grids together, which files far apart make endless
+_ENDLESS = 1 << 31  # of the lattice of all grids together, which files far apart make endless
 _SAME = 1e-3  # by which colours may differ that are taken for one
 _MOST_CELLS, _MOST_FINER = 1 << 22, 4  # of a finer lattice, and along each axis
 
@@ -92,7 +92,7 @@ def lattice_of(grids: Mapping[str, voxels.Values], finer: int = 1) -> Lattice:
     high = np.ceil(ends.max(axis=0) - 1e-3).astype(np.int64) + main.first
     low = (low - 1) // fire.BLOCK * fire.BLOCK - main.first
     shape = -(-(high + 1) // fire.BLOCK) * fire.BLOCK - main.first - low
-    if float(np.prod(shape, dtype=np.float64)) * finer**3 > _MOST_CELLS:
+    if float(np.prod(shape, dtype=np.float64)) * finer**3 > _ENDLESS:
         raise ValueError(f"its grids together need {'x'.join(map(str, shape[::-1]))} cells: nothing is shown")
     active = np.zeros(shape, np.bool_)
     out = {}
