@@ -19,16 +19,18 @@ class Quality:
     edge_samples: int
 
 
-def quality(coefficients: int, texels: float, steps: float, light_samples: int, edge_samples: int) -> Quality:
+def quality(
+    coefficients: int, texels: float, steps: float, light_samples: int, edge_samples: int, air_texels: int
+) -> Quality:
     frame = {"coefficients": coefficients, "texels_per_cell": texels, "steps_per_cell": steps}
-    return Quality({**frame, "light_samples": light_samples}, edge_samples)
+    return Quality({**frame, "light_samples": light_samples, "air_texels": air_texels}, edge_samples)
 
 
 # Against 63 coefficients, 8 texels and 4 steps a cell, the sample plume is off by (relative RMSE of its whole picture):
 QUALITIES = {
-    "DRAFT": quality(7, 1.0, 0.5, 4, 4),  # 1.4 %
-    "PREVIEW": quality(15, 2.0, 1.0, 16, 16),  # 0.4 %
-    "FINAL": quality(31, 4.0, 2.0, 36, 64),  # 0.08 %
+    "DRAFT": quality(7, 1.0, 0.5, 4, 4, 256),  # 1.4 %
+    "PREVIEW": quality(15, 2.0, 1.0, 16, 16, 512),  # 0.4 %
+    "FINAL": quality(31, 4.0, 2.0, 36, 64, 1024),  # 0.08 %
 }
 OFF = "The picture of the sample plume differs from one at the finest settings by {} (root mean square of all pixels)"
 
