@@ -54,7 +54,7 @@ std::string library_problem() {
         }
         const auto running = static_cast<long>(rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_VERSION));
         problem = version_problem("Embree", RTC_VERSION, running, 10000);
-        if (rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) == 0) {
+        if (problem.empty() && rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) == 0) {
             return "this Embree was built without filters, by which all hits of a ray are found";
         }
     }

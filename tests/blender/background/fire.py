@@ -25,10 +25,7 @@ def look() -> None:
     view.camera = bpy.data.objects.new("Front", camera)
     view.camera.location, view.camera.rotation_euler = (0.02, -5.0, 0.8), (np.pi / 2.0, 0.0, 0.0)
     view.collection.objects.link(view.camera)
-    if view.world is None or view.world.node_tree is None:
-        view.world = bpy.data.worlds.new("Black")  # without one, Cycles 5.0.1 shows no smoke
-        view.world.use_nodes = True
-    view.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+    view.world = harness.black_world()
     view.render.resolution_percentage = 100
     cycles = view.cycles
     cycles.samples, cycles.seed, cycles.max_bounces, cycles.volume_bounces, cycles.volume_step_rate = 32, 1, 0, 0, 0.25
