@@ -260,8 +260,7 @@ public:
             past_solids.only = static_cast<int>(j);
             const LightMapView &solids = light_.maps[j * bodies + static_cast<std::size_t>(way_.body)];
             const Real weight = sample_share(light_, light_.samples[j], way_.ray.origin);
-            const LineOnMap line = line_on(solids, way_.ray.origin, way_.ray.direction, from, to);
-            for_lit_sections(line, from, to, to > from, MapHeights(solids.tree, line), 1e6F,
+            for_lit_sections(solids, way_.ray.origin, way_.ray.direction, from, to, to > from,
                              [&](Mask which, Real begin, Real end, Real share) {
                                  Real sent[3] = {0.0F, 0.0F, 0.0F};
                                  begin = pick(which, begin, 0.0F);
@@ -357,6 +356,67 @@ private:
     Phases by_{};
 };
 
+// What of a light gets through along a stretch, as a share of its falloff: by sections that are equally long in x, the
+// integrals of that and of u times that, over u from 0 to 1 in each.
+class Through {
+public:
+    Through(int count, int colours)
+        : count_(count), colours_(colours), moments_(static_cast<std::size_t>(count * colours) * 2, Real(0.0F)) {}
+
+    // What gets through to both ends of each section, for each colour, where nothing but solids is in the way.
+    using Ends = std::vector<Real>;
+
+    // From x0 to x1, a share of that.
+    void add(Mask which, Real x0, Real x1, Real share, const Ends &ends) {
+        const Real from = pick(which, x0, 1.0F) * static_cast<float>(count_);
+        const Real to = pick(which, x1, 0.0F) * static_cast<float>(count_);
+        share = pick(which, share, 0.0F);
+        const int first = std::clamp(static_cast<int>(lowest(from)), 0, count_ - 1);
+        const int last = std::clamp(static_cast<int>(highest(to)), first, count_ - 1);
+        for (int i = first; i <= last; ++i) {
+            const auto number = static_cast<float>(i);
+            const Real a = clamp(from - number, 0.0F, 1.0F), b = max(clamp(to - number, 0.0F, 1.0F), a);
+            const Real w0 = share * (b - a), w1 = w0 * (0.5F * (a + b));
+            const Real w2 = w0 * ((a * a + a * b + b * b) * (1.0F / 3.0F));
+            for (int c = 0; c < colours_; ++c) {
+                const Real front = ends[at(i, c)], change = ends[at(i + 1, c)] - front;
+                moment(i, c)[0] = moment(i, c)[0] + front * w0 + change * w1;
+                moment(i, c)[1] = moment(i, c)[1] + front * w1 + change * w2;
+            }
+        }
+    }
+    // By what a section's integrand counts at each of the two points of Gauss there.
+    struct Factors {
+        Real front, back;
+    };
+    [[nodiscard]] Factors factors(int section, int colour) const {
+        const Real *const m = moment(section, std::min(colour, colours_ - 1));
+        constexpr float APART = 2.0F / (GAUSS[1] - GAUSS[0]);
+        return {(GAUSS[1] * m[0] - m[1]) * APART, (m[1] - GAUSS[0] * m[0]) * APART};
+    }
+    [[nodiscard]] bool any(int section) const {
+        Real sum = 0.0F;
+        for (int c = 0; c < colours_; ++c) {
+            sum = sum + moment(section, c)[0];
+        }
+        return xsimd::any(sum > 0.0F);
+    }
+    [[nodiscard]] std::size_t at(int end, int colour) const {
+        return static_cast<std::size_t>(end * colours_ + colour);
+    }
+
+    static constexpr float GAUSS[2] = {0.211324865F, 0.788675135F};
+
+private:
+    [[nodiscard]] Real *moment(int section, int colour) { return moments_.data() + 2 * at(section, colour); }
+    [[nodiscard]] const Real *moment(int section, int colour) const {
+        return moments_.data() + 2 * at(section, colour);
+    }
+
+    int count_, colours_;
+    std::vector<Real> moments_;
+};
+
 // Of light from a place.
 class LampShine : Shine {
 public:
@@ -377,22 +437,31 @@ public:
         Real end = min(to - foot_, AirText().lit_until(distance_, begin, least, squeeze));
         cut_at_cone(begin, end);
         const Mask asked = end > begin;
-        const auto stretch = AirText().lit_stretch(distance_, begin, max(end, begin), squeeze);
-        const auto place = [&](float x) {
-            // The ends of a stretch are known better than points near them.
-            return x <= 0.0F   ? foot_ + begin
-                   : x >= 1.0F ? foot_ + end
-                               : foot_ + clamp(AirText().lit_point(stretch, x).place, begin, max(end, begin));
-        };
-        in_sections(at_, asked, sections(asked, stretch.angle), place,
-                    [&](float x0, float x1, const Open &before, const Open &after) {
-                        if (any(before, after)) {
-                            add_section(asked, stretch, x0, x1, before, after, sum);
-                        }
-                    });
+        if (!xsimd::any(asked)) {
+            return;
+        }
+        end = max(end, begin);
+        const Piece piece{asked, begin, end, AirText().lit_stretch(distance_, begin, end, squeeze)};
+        const LightMapView *const map = this->map();
+        if (map != nullptr && map->sheets.first != nullptr) {
+            add_by_look_ups(piece, sum);
+        } else {
+            add_by_samples(piece, sum);
+        }
     }
 
 private:
+    // Of the ray, by distances from the foot.
+    struct Piece {
+        Mask asked;
+        Real begin, end;
+        AirText::LitStretch stretch;
+
+        // The ends of a stretch are known better than points near them.
+        [[nodiscard]] Real place(float x) const {
+            return x <= 0.0F ? begin : x >= 1.0F ? end : clamp(AirText().lit_point(stretch, x).place, begin, end);
+        }
+    };
     // Of a spot, what lies in its cone, by distances from the foot.
     void cut_at_cone(Real &begin, Real &end) const {
         if (light_.cone_cosine < 0.0F || light_.oval) {
@@ -406,25 +475,126 @@ private:
         end = min(end, part.to);
     }
 
-    // So many that a section crosses no more than two texels of the map, about.
-    [[nodiscard]] int sections(Mask asked, Real angle) const {
-        constexpr float FEWEST = 12.0F, TEXELS = 2.0F;
+    static constexpr float FEWEST = 12.0F; // sections
+
+    // So many that a section crosses no more than two texels of a map, about; or so many more.
+    [[nodiscard]] int sections(const Piece &piece, const LightMapView *map, float texels = 2.0F) const {
         Real count = FEWEST;
-        if (const LightMapView *const map = this->map()) {
+        if (map != nullptr) {
             // From the middle of the octahedron's square to its edge it is a quarter of a turn, of which the angle is
             // half.
             const float per_radian = static_cast<float>(map->width) * map->scale[0] * 0.6366F;
-            count = max(count, angle * (2.0F * per_radian / TEXELS));
+            count = max(count, piece.stretch.angle * (2.0F * per_radian / texels));
         }
-        return static_cast<int>(std::ceil(std::min(highest(pick(asked, count, 0.0F)), MOST)));
+        return static_cast<int>(std::ceil(std::min(highest(pick(piece.asked, count, 0.0F)), MOST)));
     }
 
-    void add_section(Mask asked, const AirText::LitStretch &stretch, float x0, float x1, const Open &before,
-                     const Open &after, Real (&sum)[3]) const {
-        constexpr float NODES[2] = {0.211324865F, 0.788675135F};
+    // Where sheets dim the light, which no tree knows.
+    void add_by_look_ups(const Piece &piece, Real (&sum)[3]) const {
+        in_sections(
+            at_, piece.asked, sections(piece, map()), [&](float x) { return foot_ + piece.place(x); },
+            [&](float x0, float x1, const Open &before, const Open &after) {
+                if (any(before, after)) {
+                    add_section(piece, x0, x1, sum, [&](int c) -> Through::Factors {
+                        const Real change = after.of[c] - before.of[c];
+                        return {before.of[c] + change * Through::GAUSS[0], before.of[c] + change * Through::GAUSS[1]};
+                    });
+                }
+            });
+    }
+
+    // Of each point of the light solids leave stretches; in these it is dimmed by what it shines through, and fades as
+    // the point is seen.
+    void add_by_samples(const Piece &piece, Real (&sum)[3]) const {
+        const std::size_t bodies = way_.frame.extinctions.size();
+        int count = 0;
+        bool dimmed = false;
+        for (std::size_t m = 0; m < light_.samples.size() * bodies; ++m) {
+            const LightMapView &map = light_.maps[m];
+            if (!(map.empty() || map.clear())) {
+                // A fog's own columns change slowly but at its walls.
+                const bool own = m % bodies == static_cast<std::size_t>(way_.body);
+                count = std::max(count, sections(piece, &map, own ? 16.0F : 2.0F));
+                dimmed = true;
+            }
+        }
+        count = std::max(count, sections(piece, nullptr) * (changes(piece) ? 8 : 1));
+        ArrivingAt past_solids = at_;
+        past_solids.own = -1;
+        const int colours = dimmed ? way_.colours : 1;
+        Through through(count, colours);
+        std::vector<Real> places;
+        for (int i = 0; i <= count; ++i) {
+            places.push_back(foot_ + piece.place(static_cast<float>(i) / static_cast<float>(count)));
+        }
+        Through::Ends ends(through.at(count + 1, 0));
+        for (std::size_t j = 0; j < light_.samples.size(); ++j) {
+            past_solids.only = static_cast<int>(j);
+            for (int i = 0; i <= count; ++i) {
+                if (!dimmed) {
+                    ends[through.at(i, 0)] =
+                        sample_share(light_, light_.samples[j], way_.place(places[static_cast<std::size_t>(i)]));
+                    continue;
+                }
+                const Open arrives = open(past_solids, places[static_cast<std::size_t>(i)]);
+                for (int c = 0; c < colours; ++c) {
+                    ends[through.at(i, c)] = arrives.of[c];
+                }
+            }
+            const LightMapView *const solids =
+                way_.body < 0 ? nullptr : light_.maps + j * bodies + static_cast<std::size_t>(way_.body);
+            if (solids == nullptr || solids->empty()) {
+                through.add(piece.asked, 0.0F, 1.0F, 1.0F, ends);
+                continue;
+            }
+            const auto share = [&](Real t) {
+                const Real place = t - foot_;
+                return pick(place <= piece.begin, 0.0F,
+                            pick(place >= piece.end, 1.0F, AirText().lit_share(piece.stretch, place)));
+            };
+            for_lit_sections(*solids, way_.ray.origin, way_.ray.direction, foot_ + piece.begin, foot_ + piece.end,
+                             piece.asked, [&](Mask which, Real begin, Real end, Real lit) {
+                                 through.add(which, share(begin), share(end), lit, ends);
+                             });
+        }
+        const float step = 1.0F / static_cast<float>(count);
+        for (int i = 0; i < count; ++i) {
+            if (through.any(i)) {
+                const float x = step * static_cast<float>(i);
+                add_section(piece, x, x + step, sum, [&](int c) { return through.factors(i, c); });
+            }
+        }
+    }
+
+    // Whether the light fades too fast for a few sections, or its own size bends the way it does.
+    [[nodiscard]] bool changes(const Piece &piece) const {
+        constexpr float DIFFERENT = 0.03F, NEAR = 4.0F;
+        const Mask meets = (piece.begin < 0.0F) & (piece.end > 0.0F);
+        if (xsimd::any(piece.asked & meets & (away2_ < NEAR * light_.size2))) {
+            return true;
+        }
+        const auto count = static_cast<int>(FEWEST);
+        Real before = 0.0F;
+        for (int i = 0; i <= count; ++i) {
+            const vec3 place = way_.place(foot_ + piece.place(static_cast<float>(i) / FEWEST));
+            Real here = 0.0F;
+            for (const glm::vec3 &sample : light_.samples) {
+                here = here + sample_share(light_, sample, place);
+            }
+            if (i > 0 && xsimd::any(piece.asked & (abs(here - before) > DIFFERENT))) {
+                return true;
+            }
+            before = here;
+        }
+        return false;
+    }
+
+    // `factors` of a colour are what gets through, at the two points of Gauss.
+    template <typename FactorsOf>
+    void add_section(const Piece &piece, float x0, float x1, Real (&sum)[3], const FactorsOf &factors) const {
         const float width = x1 - x0;
-        for (const float node : NODES) {
-            const auto point = AirText().lit_point(stretch, x0 + width * node);
+        for (int node = 0; node < 2; ++node) {
+            const auto point = AirText().lit_point(piece.stretch, x0 + width * Through::GAUSS[node]);
             const Real t = foot_ + point.place;
             const vec3 place = way_.place(t);
             const Real distance2 = away2_ + point.place * point.place, distance = sqrt(distance2);
@@ -437,17 +607,18 @@ private:
             const Real sine2 = turned * turned, whole = 1.0F / max(sine2 + away2_, 1e-30F);
             Phases by = phases(sine2 * whole, away2_ * whole);
             constexpr float FAR = 6.0F; // of the light's size: from there all of it lies in one direction
-            if (light_.area > 0.0F && xsimd::any(asked & (distance2 < FAR * FAR * light_.size2))) {
+            if (light_.area > 0.0F && xsimd::any(piece.asked & (distance2 < FAR * FAR * light_.size2))) {
                 by = phases_of_samples(place);
             }
             const Way::Depth to_eye = way_.to_eye(t), to_light = way_.to_light(light_, light_.position, t);
-            const Real amount = pick(asked, rate * (0.5F * width) * density(place), 0.0F);
+            const Real amount = pick(piece.asked, rate * (0.5F * width) * density(place), 0.0F);
             Real left = 0.0F;
             for (int c = 0; c < 3; ++c) {
                 if (c < way_.colours) {
                     left = amount * exp(-min(to_eye.of[c] + to_light.of[c], 80.0F));
                 }
-                sum[c] = sum[c] + left * (before.of[c] + (after.of[c] - before.of[c]) * node) * scattered(by, c);
+                const Through::Factors open = factors(c);
+                sum[c] = sum[c] + left * (node == 0 ? open.front : open.back) * scattered(by, c);
             }
         }
     }

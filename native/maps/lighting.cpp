@@ -161,7 +161,7 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
         map.sheets =
             parts.sheets.get(sheets, [&] { return find_sheets(plan, surfaces.view(), light.sheets, nearest); });
     }
-    if (body.followed && light.parallel()) {
+    if (body.followed) {
         map.tree = parts.trees.get(Key().part(map.solids),
                                    [&] { return DepthTree(map.solids->data(), plan.size.x, plan.size.y); });
     }

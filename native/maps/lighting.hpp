@@ -56,7 +56,7 @@ private:
         std::shared_ptr<const LightMap> columns;
         std::shared_ptr<const SolidDepths> solids;
         std::shared_ptr<const SheetDepths> sheets;
-        std::shared_ptr<const DepthTree> tree; // of a sun's solids, for what is clear
+        std::shared_ptr<const DepthTree> tree; // of solids, where rays are followed
 
         [[nodiscard]] LightMapView view() const;
     };

@@ -4,6 +4,8 @@
 // two texels beside it in each column light is filtered linearly, as solid_occlusion() does. What lies beside the map
 // is lit.
 //
+// Of light from one place a ray is straight on the map in each octant about the light.
+//
 // One column after the other it is Algorithm 1 of Yusov, "Practical implementation of light scattering effects using
 // epipolar sampling and 1D min/max binary trees", 2013; by the bounds of a tree over 2, 4, 8, ... columns Algorithm 2:
 //     for_lit_sections(line_on(map, origin, direction, start, end), start, end, asked, MapHeights(tree, line),
@@ -21,24 +23,71 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
-// A ray on a map that is affine in the world, in columns that it crosses upwards: `m` is the place along them, `n` the
-// one across.
-struct LineOnMap {
+// The columns of a map that a ray crosses, upwards: `m` is the place along them, `n` the one across.
+struct Columns {
     Mask along_y, reversed;
-    Real m0, per_column; // distance is (m - m0) per_column
-    Real n0, slope;      // n is n0 + slope (m - m0)
-    Real z0, z_along;    // depth is z0 + z_along distance
-    Real from, to;       // the distances between which it is on the map
-    Real first, last;    // columns
-    Real across;         // texels in a column
+    Real m0;        // somewhere on the ray,
+    Real n0, slope; // where n is n0 + slope (m - m0)
+    Real from, to;  // the distances between which it is on the map
+    Real first, last;
+    Real across; // texels in a column
+
+    // Where in the middle of a column it is, from the first texel's middle on.
+    [[nodiscard]] Real place(Real column) const { return n0 + slope * (column + 0.5F - m0) - 0.5F; }
+};
+
+// Two depths, or two distances.
+struct Between {
+    Real low, high;
+};
+
+// A ray on a map that is affine in the world.
+struct LineOnMap : Columns {
+    Real per_column;  // distance is (m - m0) per_column
+    Real z0, z_along; // depth is z0 + z_along distance
 
     // Where it crosses the edge before a column.
     [[nodiscard]] Real distance(Real edge) const { return clamp((edge - m0) * per_column, from, to); }
-    [[nodiscard]] Real depth(Real distance) const { return z0 + z_along * distance; }
-    // Where it comes to a depth.
-    [[nodiscard]] Real crossing(Real z) const { return (z - z0) / z_along; }
-    // Where in the middle of a column it is, from the first texel's middle on.
-    [[nodiscard]] Real place(Real column) const { return n0 + slope * (column + 0.5F - m0) - 0.5F; }
+    [[nodiscard]] Between depths(Real a, Real b) const {
+        const Real za = z0 + z_along * a, zb = z0 + z_along * b;
+        return {min(za, zb), max(za, zb)};
+    }
+    // Between two distances, what lies before a depth.
+    [[nodiscard]] Between before(Real z, Real a, Real b) const {
+        const Real meets = (z - z0) / z_along;
+        return {pick(z_along > 0.0F, a, max(a, meets)), pick(z_along > 0.0F, min(b, meets), b)};
+    }
+};
+
+// A part of a ray on the map of a light from one place, in one octant about the light: there the octahedron is a plane,
+// so that on the map the ray is straight, if not even.
+struct ArcOnMap : Columns {
+    Real begin, length;         // of the part
+    Real m_begin, per_m;        // as a share of its way on the map
+    Real s_begin, s_end;        // |x| + |y| + |z| at its ends
+    Real foot, away2;           // of the light on the ray, and the square of how far away the light is
+    float low_depth, per_metre; // depth is (distance from the light - low_depth) per_metre
+
+    [[nodiscard]] Real at_share(Real share) const {
+        const Real front = share * s_begin;
+        return begin + length * (front / max(front + (1.0F - share) * s_end, 1e-30F));
+    }
+    [[nodiscard]] Real distance(Real edge) const {
+        return clamp(at_share(clamp((edge - m_begin) * per_m, 0.0F, 1.0F)), from, to);
+    }
+    [[nodiscard]] Between depths(Real a, Real b) const {
+        return {depth(clamp(foot, a, b)), depth(pick(foot - a > b - foot, a, b))};
+    }
+    [[nodiscard]] Between before(Real z, Real a, Real b) const {
+        const Real radius = low_depth + z * (1.0F / per_metre);
+        const Real half_chord = sqrt(max(radius * radius - away2, 0.0F));
+        return {max(a, foot - half_chord), min(b, foot + half_chord)};
+    }
+
+private:
+    [[nodiscard]] Real depth(Real t) const {
+        return (min(sqrt(away2 + (t - foot) * (t - foot)), 1e30F) - low_depth) * per_metre;
+    }
 };
 
 constexpr float ALL_COLUMNS = 1e6F; // at once, as many as the tree has
@@ -96,6 +145,60 @@ inline LineOnMap line_on(const LightMapView &map, const vec3 &origin, const vec3
     return line_on(map, p, d, along_y, pick(along_y, dy, dx) < 0.0F, start, end);
 }
 
+// Of a part of a ray between two distances in which neither x, y nor z from the light changes its sign.
+inline ArcOnMap arc_on(const LightMapView &map, const vec3 &p, const vec3 &d, Real start, Real end) {
+    const auto width = static_cast<float>(map.width), height = static_cast<float>(map.height);
+    const vec3 middle = p + d * (0.5F * (start + end));
+    const auto sign = [](Real x) { return pick(x < 0.0F, -1.0F, 1.0F); };
+    const vec3 signs{sign(middle.x), sign(middle.y), sign(middle.z)};
+    struct Texel {
+        Real x, y, sum;
+    };
+    // As octahedral() of lights/light.glsl, on the octant's own side of its edges.
+    const auto texel = [&](Real t) -> Texel {
+        const vec3 q = p + d * t;
+        const Real x = max(q.x * signs.x, 0.0F), y = max(q.y * signs.y, 0.0F), z = max(q.z * signs.z, 0.0F);
+        const Real sum = max(x + y + z, 1e-30F), per = 1.0F / sum;
+        const Mask folded = signs.z < 0.0F;
+        const Real u = signs.x * pick(folded, 1.0F - y * per, x * per);
+        const Real v = signs.y * pick(folded, 1.0F - x * per, y * per);
+        return {(u - map.low[0]) * (map.scale[0] * width), (v - map.low[1]) * (map.scale[1] * height), sum};
+    };
+    const Texel a = texel(start), b = texel(end);
+    const Real dx = b.x - a.x, dy = b.y - a.y;
+    ArcOnMap arc;
+    arc.along_y = abs(dy) > abs(dx);
+    arc.reversed = pick(arc.along_y, dy, dx) < 0.0F;
+    arc.begin = start;
+    arc.length = end - start;
+    arc.s_begin = a.sum;
+    arc.s_end = b.sum;
+    arc.foot = -dot(p, d);
+    const vec3 away = p + d * arc.foot;
+    arc.away2 = dot(away, away);
+    arc.low_depth = map.low[2];
+    arc.per_metre = map.scale[2];
+    Real enters = 0.0F, leaves = 1.0F;
+    clip(a.x, dx, width, enters, leaves);
+    clip(a.y, dy, height, enters, leaves);
+    leaves = max(leaves, enters);
+    arc.from = arc.at_share(clamp(enters, 0.0F, 1.0F));
+    arc.to = pick(leaves > enters, arc.at_share(clamp(leaves, 0.0F, 1.0F)), arc.from);
+    const float columns = columns_of(map.width, map.height);
+    const Real m = pick(arc.along_y, a.y, a.x), size = pick(arc.along_y, Real(height), Real(width));
+    const Real way = max(abs(pick(arc.along_y, dy, dx)), 1e-20F);
+    arc.m_begin = pick(arc.reversed, columns - m, m);
+    arc.per_m = 1.0F / way;
+    arc.m0 = arc.m_begin;
+    arc.n0 = pick(arc.along_y, a.x, a.y);
+    arc.slope = clamp(pick(arc.along_y, dx, dy) * arc.per_m, -1.0F, 1.0F);
+    const Real low = pick(arc.reversed, columns - size, 0.0F);
+    arc.first = clamp(floor(arc.m_begin + way * enters), low, low + size - 1.0F);
+    arc.last = clamp(floor(arc.m_begin + way * leaves), low, low + size - 1.0F);
+    arc.across = pick(arc.along_y, Real(width), Real(height));
+    return arc;
+}
+
 // What a ray is tested against in some columns: bounds of the texels beside it, and where it is one column the depths
 // in the two of them, of which the second counts `weight`.
 struct ColumnNode {
@@ -107,7 +210,7 @@ struct ColumnNode {
 // Of a whole map: any ray has a tree there.
 class MapHeights {
 public:
-    MapHeights(const DepthTreeView &tree, const LineOnMap &line)
+    MapHeights(const DepthTreeView &tree, const Columns &line)
         : tree_(tree), line_(line), columns_(columns_of(tree.width, tree.height)) {}
 
     // The most columns that it has at once.
@@ -137,14 +240,14 @@ public:
 
 private:
     const DepthTreeView &tree_;
-    const LineOnMap &line_;
+    const Columns &line_;
     float columns_;
 };
 
 // Calls found() for each lit stretch of the asked lanes between `start` and `end`; never tests more than `most` columns
 // at once: 1 is Algorithm 1. Returns how many nodes each lane was tested against.
-template <typename Heights, typename Found>
-Real for_lit_sections(const LineOnMap &line, Real start, Real end, Mask asked, const Heights &heights, float most,
+template <typename Line, typename Heights, typename Found>
+Real for_lit_sections(const Line &line, Real start, Real end, Mask asked, const Heights &heights, float most,
                       const Found &found) {
     Mask on = asked & (line.from < line.to), arrived = on;
     Mask lit = asked & (!on | (line.from > start)); // before it comes to the map, if it does
@@ -157,9 +260,9 @@ Real for_lit_sections(const LineOnMap &line, Real start, Real end, Mask asked, c
         per_count = pick(rises, per_count * 0.5F, per_count);
         level = pick(rises, level + 1.0F, level);
         const Real a = line.distance(column), b = line.distance(column + count);
-        const Real za = line.depth(a), zb = line.depth(b);
+        const Between z = line.depths(a, b);
         const ColumnNode node = heights.node(column, count, per_count, level);
-        const Mask bright = max(za, zb) < node.low, dark = min(za, zb) >= node.high, single = count < 1.5F;
+        const Mask bright = z.high < node.low, dark = z.low >= node.high, single = count < 1.5F;
         arrived = on & (bright | dark | single);
         const Mask ends = arrived & lit & !bright;
         if (xsimd::any(ends)) {
@@ -172,10 +275,9 @@ Real for_lit_sections(const LineOnMap &line, Real start, Real end, Mask asked, c
         const Mask partly = arrived & !bright & !dark;
         if (xsimd::any(partly)) {
             for (int side = 0; side < 2; ++side) {
-                const Real meets = line.crossing(node.depth[side]);
-                const Real begin = pick(line.z_along > 0.0F, a, max(a, meets));
-                const Real finish = pick(line.z_along > 0.0F, min(b, meets), b);
-                found(partly & (begin < finish), begin, finish, side == 0 ? 1.0F - node.weight : node.weight);
+                const Between lit_part = line.before(node.depth[side], a, b);
+                found(partly & (lit_part.low < lit_part.high), lit_part.low, lit_part.high,
+                      side == 0 ? 1.0F - node.weight : node.weight);
             }
         }
         tested = tested + pick(on, 1.0F, 0.0F);
@@ -193,6 +295,38 @@ Real for_lit_sections(const LineOnMap &line, Real start, Real end, Mask asked, c
         found(lit, since, end, Real(1.0F));
     }
     return tested;
+}
+
+// Of any map that has a tree, by that.
+template <typename Found>
+void for_lit_sections(const LightMapView &map, const vec3 &origin, const vec3 &direction, Real start, Real end,
+                      Mask asked, const Found &found) {
+    if (!map.radial) {
+        const LineOnMap line = line_on(map, origin, direction, start, end);
+        for_lit_sections(line, start, end, asked, MapHeights(map.tree, line), ALL_COLUMNS, found);
+        return;
+    }
+    const vec3 p = transform_point(map.world_to_light, origin), d = transform_vector(map.world_to_light, direction);
+    Real cuts[5] = {start, start, start, start, end};
+    for (int axis = 0; axis < 3; ++axis) {
+        const Real along = pick(abs(d[axis]) < 1e-20F, 1e-20F, d[axis]);
+        cuts[axis + 1] = clamp(-p[axis] / along, start, max(start, end));
+    }
+    const auto sort = [&cuts](int a, int b) {
+        const Real low = min(cuts[a], cuts[b]);
+        cuts[b] = max(cuts[a], cuts[b]);
+        cuts[a] = low;
+    };
+    sort(1, 2);
+    sort(2, 3);
+    sort(1, 2);
+    for (int part = 0; part < 4; ++part) {
+        const Mask within = asked & (cuts[part] < cuts[part + 1]);
+        if (xsimd::any(within)) {
+            const ArcOnMap arc = arc_on(map, p, d, cuts[part], cuts[part + 1]);
+            for_lit_sections(arc, cuts[part], cuts[part + 1], within, MapHeights(map.tree, arc), ALL_COLUMNS, found);
+        }
+    }
 }
 
 } // namespace

@@ -147,6 +147,19 @@ LitPoint lit_point(LitStretch stretch, float x)
   return point;
 }
 
+// The x of lit_point() whose place is s.
+float lit_share(LitStretch stretch, float place)
+{
+  float radius = sqrt(stretch.distance * stretch.distance + place * place);
+  float along = stretch.squeeze * pick(place > 0.0f, stretch.distance, radius - place);
+  float across = pick(place > 0.0f, radius + place, stretch.distance);
+  float turned = atan(stretch.front_cosine * across - stretch.front_sine * along,
+                      stretch.front_cosine * along + stretch.front_sine * across);
+  float share = clamp(turned / max(stretch.angle, 1e-30f), 0.0f, 1.0f);
+  float arcsine = atan(1.0f - 2.0f * share, 2.0f * sqrt(share * (1.0f - share)));
+  return 0.5f - sin(arcsine * (1.0f / 3.0f));
+}
+
 // ---- Where a light has a size, or a cone ----
 //
 // Such a stretch is cut where the integrand has a kink.

@@ -149,6 +149,31 @@ def test_lamps_in_open_air(lamp: str, height: float) -> None:
     assert error(picture(scene, camera, light_samples=64), wanted) < most
 
 
+@pytest.mark.parametrize("spot", [False, True])
+@pytest.mark.parametrize("eye", [(3.0, -2.0, 1.4), (0.4, 0.9, -2.6), (-0.3, 0.2, 0.1)])
+def test_solids_all_around_a_lamp_cut_its_light(eye: Any, spot: bool) -> None:
+    """Rays go through all octants about the lamp, where its map is folded, and pass in and out of its plates' shadows."""
+    scene = Scene()
+    if spot:
+        scene.add_point((0.1, 0.0, 0.05), (10, 8, 6), direction=(0.5, 0.4, 0.3), cone=3.0, blend=0.5)
+    else:
+        scene.add_point((0.1, 0.0, 0.05), (10, 8, 6))
+    random = np.random.default_rng(3)
+    for _ in range(14):
+        n, x = random.normal(size=(2, 3))
+        n /= np.linalg.norm(n)
+        x -= n * (x @ n)
+        x /= np.linalg.norm(x)
+        size = random.uniform(0.1, 0.4)
+        scene.add_instances(
+            QUAD, place(n * random.uniform(0.8, 1.6), (size, size, 1), (x, np.cross(n, x))), [[0, 0, 0]]
+        )
+    scene.set_air((0.02, 0.03, 0.05), (0.1, 0.1, 0.1), anisotropy=0.5)
+    camera = look(eye, (0.0, 0.1, 0.1), far=8.0, half=1.0)
+    found = picture(scene, camera, (16, 16), air_texels=2048)
+    assert error(found, judged(scene, camera, 0.01, (16, 16))) < 0.003
+
+
 def smoke(scene: Scene) -> None:
     # So fine that cells are not what differs.
     z, y, x = (np.indices((32, 32, 32)) + 0.5) / 16.0 - 1.0
