@@ -183,13 +183,15 @@ protected:
         return map != nullptr && map->sheets.first != nullptr;
     }
     // Calls found(map, texels) for each map of what dims the light: so many of its texels a section may cross. A fog's
-    // own columns change slowly but at its walls.
+    // own columns change slowly but at its walls; and of several samples the errors differ.
     template <typename Found>
     void for_dimming(const Found &found) const {
+        constexpr float OF_FOG = 16.0F, OF_SEVERAL = 4.0F, OF_ONE = 2.0F;
+        const float texels = light_.samples.size() < 4 ? OF_ONE : OF_SEVERAL;
         for (std::size_t m = 0; m < light_.samples.size() * bodies_; ++m) {
             if (!(light_.maps[m].empty() || light_.maps[m].clear())) {
-                found(light_.maps[m],
-                      !way_.of_world() && m % bodies_ == static_cast<std::size_t>(way_.body) ? 16.0F : 2.0F);
+                const bool own = !way_.of_world() && m % bodies_ == static_cast<std::size_t>(way_.body);
+                found(light_.maps[m], own ? OF_FOG : texels);
             }
         }
     }
@@ -204,18 +206,36 @@ protected:
         return out;
     }
 
-    // What a sample sends to a place past all but solids: as many numbers as colours are looked up.
+    // What a sample sends to places past all but solids: of each as many numbers as colours are looked up. Where many
+    // samples are dimmed each is looked up at every other place, by turns, and goes straight between.
     [[nodiscard]] int colours() const { return dimmed_ ? way_.colours : 1; }
-    void past_solids(std::size_t sample, Real t, std::vector<Real> &ends) const {
-        if (!dimmed_) {
-            ends.push_back(sample_share(light_, light_.samples[sample], way_.place(t)));
+    void past_solids(std::size_t sample, std::span<const Real> places, bool dims, std::vector<Real> &ends) const {
+        const auto numbers = static_cast<std::size_t>(colours());
+        if (!dims) {
+            for (const Real &t : places) {
+                ends.insert(ends.end(), numbers, sample_share(light_, light_.samples[sample], way_.place(t)));
+            }
             return;
         }
         ArrivingAt at = at_;
         at.own = -1;
         at.only = static_cast<int>(sample);
-        const Open arrives = open(at, t);
-        ends.insert(ends.end(), arrives.of, arrives.of + way_.colours);
+        const std::size_t first = ends.size(), last = places.size() - 1;
+        ends.resize(first + places.size() * numbers);
+        const auto end = [&](std::size_t i) { return ends.begin() + static_cast<std::ptrdiff_t>(first + i * numbers); };
+        const bool turns = light_.samples.size() >= 16;
+        const auto looked_up = [&](std::size_t i) { return !turns || i == 0 || i == last || (i + sample) % 2 == 0; };
+        for (std::size_t i = 0; i <= last; ++i) {
+            if (looked_up(i)) {
+                const Open arrives = open(at, places[i]);
+                std::copy_n(arrives.of, numbers, end(i));
+            }
+        }
+        for (std::size_t i = 0; i <= last; ++i) {
+            if (!looked_up(i)) {
+                std::transform(end(i - 1), end(i), end(i + 1), end(i), [](Real a, Real b) { return 0.5F * (a + b); });
+            }
+        }
     }
 
     // Calls found(which, from, to, share) for the stretches that solids leave of one sample's light.
@@ -302,14 +322,22 @@ public:
             return;
         }
         Through through(pieces.back().cut.first + pieces.back().cut.count, colours());
-        std::vector<Real> ends;
+        std::vector<Real> ends, places;
+        for (const Piece &piece : pieces) {
+            for (int i = 0; piece.cut.count > 0 && i <= piece.cut.count; ++i) {
+                places.push_back(piece.place(static_cast<float>(i) / static_cast<float>(piece.cut.count)));
+            }
+        }
         const Real first = pieces.front().from, last = pieces.back().to;
         for (std::size_t j = 0; j < light_.samples.size(); ++j) {
             const Real weight = sample_share(light_, light_.samples[j], way_.ray.origin);
             ends.clear();
+            std::span<const Real> left = places;
             for (const Piece &piece : pieces) {
-                for (int i = 0; piece.cut.count > 0 && i <= piece.cut.count; ++i) {
-                    past_solids(j, piece.place(static_cast<float>(i) / static_cast<float>(piece.cut.count)), ends);
+                if (piece.cut.count > 0) {
+                    const auto own = static_cast<std::size_t>(piece.cut.count + 1);
+                    past_solids(j, left.first(own), true, ends);
+                    left = left.subspan(own);
                 }
             }
             for_lit(j, first, last, first < last, [&](Mask which, Real begin, Real end, Real share) {
@@ -468,10 +496,11 @@ public:
     }
 
     void add() const {
-        std::vector<Piece> pieces = this->pieces();
-        if (pieces.empty()) {
+        const std::vector<Stretch> stretches = this->stretches();
+        if (stretches.empty()) {
             return;
         }
+        const std::vector<Piece> pieces = this->pieces(stretches);
         if (sheets()) {
             add_by_look_ups(pieces);
             return;
@@ -480,41 +509,49 @@ public:
         std::vector<Real> ends, places;
         for (const Piece &piece : pieces) {
             for (int i = 0; i <= piece.cut.count; ++i) {
-                places.push_back(foot_ + piece.place(static_cast<float>(i) / static_cast<float>(piece.cut.count)));
+                places.push_back(foot_ + piece.place(piece.x_of(i)));
             }
         }
         Real first = 1e30F, last = -1e30F;
-        for (const Piece &piece : pieces) {
-            first = min(first, pick(piece.asked, piece.begin, 1e30F));
-            last = max(last, pick(piece.asked, piece.end, -1e30F));
+        for (const Stretch &stretch : stretches) {
+            first = min(first, pick(stretch.asked, stretch.begin, 1e30F));
+            last = max(last, pick(stretch.asked, stretch.end, -1e30F));
         }
         const Mask asked = first < last;
         first = foot_ + pick(asked, first, 0.0F);
         last = foot_ + pick(asked, last, 0.0F);
         for (std::size_t j = 0; j < light_.samples.size(); ++j) {
             ends.clear();
-            for (const Real &t : places) {
-                past_solids(j, t, ends);
+            std::span<const Real> left = places;
+            for (const Piece &piece : pieces) {
+                const auto own = static_cast<std::size_t>(piece.cut.count + 1);
+                past_solids(j, left.first(own), piece.dims, ends);
+                left = left.subspan(own);
             }
             for_lit(j, first, last, asked, [&](Mask which, Real begin, Real end, Real share) {
                 const Real *own = ends.data();
-                for (const Piece &piece : pieces) {
-                    const Real from = begin - foot_, to = end - foot_;
-                    const Mask met = which & piece.asked & (from < piece.end) & (to > piece.begin);
-                    if (xsimd::any(met)) {
-                        through.add(piece.cut, met, piece.share(met, from), piece.share(met, to), share, own);
+                const Real from = begin - foot_, to = end - foot_;
+                for (std::size_t at = 0; at < pieces.size();) {
+                    const Stretch &stretch = *pieces[at].stretch;
+                    const Mask met = which & stretch.asked & (from < stretch.end) & (to > stretch.begin);
+                    const bool any = xsimd::any(met);
+                    const Real x0 = any ? stretch.share(met, from) : 0.0F, x1 = any ? stretch.share(met, to) : 0.0F;
+                    for (; at < pieces.size() && pieces[at].stretch == &stretch; ++at) {
+                        const Piece &piece = pieces[at];
+                        if (any) {
+                            through.add(piece.cut, met, piece.within(x0), piece.within(x1), share, own);
+                        }
+                        own += (piece.cut.count + 1) * colours();
                     }
-                    own += (piece.cut.count + 1) * colours();
                 }
             });
         }
         for (const Piece &piece : pieces) {
-            const float step = 1.0F / static_cast<float>(piece.cut.count);
             for (int i = 0; i < piece.cut.count; ++i) {
                 const int section = piece.cut.first + i;
                 if (through.any(section)) {
-                    const float x = step * static_cast<float>(i);
-                    add_section(piece, x, x + step, [&](int c) { return through.factors(section, c); });
+                    add_section(piece, piece.x_of(i), piece.x_of(i + 1),
+                                [&](int c) { return through.factors(section, c); });
                 }
             }
         }
@@ -522,28 +559,40 @@ public:
 
 private:
     // What of a step is lit at all, by distances from the foot.
-    struct Piece {
+    struct Stretch {
         std::size_t step;
         Mask asked;
         Real begin, end;
-        AirText::LitStretch stretch;
-        Cut cut;
+        AirText::LitStretch lit;
 
         // The ends of a stretch are known better than points near them.
         [[nodiscard]] Real place(float x) const {
-            return x <= 0.0F ? begin : x >= 1.0F ? end : clamp(AirText().lit_point(stretch, x).place, begin, end);
+            return x <= 0.0F ? begin : x >= 1.0F ? end : clamp(AirText().lit_point(lit, x).place, begin, end);
         }
         // The x of a place, of those that are asked for.
         [[nodiscard]] Real share(Mask which, Real place) const {
             const Mask before = place <= begin, behind = place >= end;
             const Real ends = pick(before, 0.0F, 1.0F);
-            return xsimd::all(before | behind | !which)
-                       ? ends
-                       : pick(before | behind, ends, AirText().lit_share(stretch, place));
+            return xsimd::all(before | behind | !which) ? ends
+                                                        : pick(before | behind, ends, AirText().lit_share(lit, place));
         }
     };
+    // A part of that, from x0 to x1, in which smoke or fog may dim the light.
+    struct Piece {
+        const Stretch *stretch;
+        float x0, x1;
+        bool dims;
+        Cut cut;
 
-    [[nodiscard]] std::vector<Piece> pieces() const {
+        [[nodiscard]] Real place(float x) const { return stretch->place(x); }
+        // Of its sections' ends.
+        [[nodiscard]] float x_of(int end) const {
+            return end == cut.count ? x1 : x0 + (x1 - x0) * (static_cast<float>(end) / static_cast<float>(cut.count));
+        }
+        [[nodiscard]] Real within(Real x) const { return clamp((x - x0) * (1.0F / (x1 - x0)), 0.0F, 1.0F); }
+    };
+
+    [[nodiscard]] std::vector<Stretch> stretches() const {
         const Real squeeze = AirText().squeeze_of(Real(way_.air.anisotropy));
         // Where air ends with height, none is so thin that its end is known.
         const glm::vec3 &e = way_.air.extinction;
@@ -551,31 +600,86 @@ private:
         Real low = way_.steps.front().from - foot_;
         Real high = AirText().lit_until(distance_, low, least, squeeze);
         cut_at_cone(low, high);
-        std::vector<Piece> out;
-        Real angle = 1e-30F;
+        std::vector<Stretch> out;
         for (std::size_t number = 0; number < way_.steps.size(); ++number) {
             const Step &step = way_.steps[number];
             const Real begin = max(step.from - foot_, low), end = min(step.to - foot_, high);
             const Mask asked = begin < end;
             if (xsimd::any(asked)) {
                 const Real behind = max(end, begin);
-                out.push_back(
-                    {number, asked, begin, behind, AirText().lit_stretch(distance_, begin, behind, squeeze), {}});
-                angle = angle + pick(asked, out.back().stretch.angle, 0.0F);
+                out.push_back({number, asked, begin, behind, AirText().lit_stretch(distance_, begin, behind, squeeze)});
             }
         }
+        return out;
+    }
+
+    // Parts of stretches that are long enough for themselves, and of these more where the light fades fast, or is
+    // dimmed.
+    [[nodiscard]] std::vector<Piece> pieces(const std::vector<Stretch> &stretches) const {
+        Real angle = 1e-30F;
+        for (const Stretch &stretch : stretches) {
+            angle = angle + pick(stretch.asked, stretch.lit.angle, 0.0F);
+        }
+        std::vector<Piece> out;
         int sections = 0;
-        for (Piece &piece : out) {
-            const float share = highest(pick(piece.asked, piece.stretch.angle / angle, 0.0F));
-            int count = std::max(static_cast<int>(std::ceil(FEWEST * share)), 1);
-            count *= changes(piece, count) ? 8 : 1;
-            for_dimming([&](const LightMapView &map, float texels) {
-                count = std::max(count, this->sections(piece, map, texels));
-            });
-            piece.cut = {sections, count};
-            sections += count;
+        for (const Stretch &stretch : stretches) {
+            const float share = highest(pick(stretch.asked, stretch.lit.angle / angle, 0.0F));
+            const int parts = std::max(static_cast<int>(std::ceil(FEWEST * share)), 1);
+            const bool near = meets_light(stretch);
+            std::vector<vec3> points; // at the ends of parts, and between
+            for (int i = 0; i <= 2 * parts; ++i) {
+                points.push_back(
+                    way_.place(foot_ + stretch.place(static_cast<float>(i) / static_cast<float>(2 * parts))));
+            }
+            for (int i = 0; i < parts; ++i) {
+                const float x0 = static_cast<float>(i) / static_cast<float>(parts);
+                const float x1 = static_cast<float>(i + 1) / static_cast<float>(parts);
+                const vec3 *const own = points.data() + 2 * i;
+                int count = near || fades(stretch, own) ? 8 : 1;
+                bool dims = false;
+                for_dimming([&](const LightMapView &map, float texels) {
+                    if (meets(stretch, own, map)) {
+                        dims = true;
+                        count = std::max(count, this->sections(stretch, x1 - x0, map, texels));
+                    }
+                });
+                out.push_back({&stretch, x0, x1, dims, {sections, count}});
+                sections += count;
+            }
         }
         return out;
+    }
+    // Whether the light's own size bends the way it falls off.
+    [[nodiscard]] bool meets_light(const Stretch &stretch) const {
+        constexpr float NEAR = 4.0F;
+        return xsimd::any(stretch.asked & (stretch.begin < 0.0F) & (stretch.end > 0.0F) &
+                          (away2_ < NEAR * light_.size2));
+    }
+    // Whether between three points all that the light sends is not on a straight line.
+    [[nodiscard]] bool fades(const Stretch &stretch, const vec3 *points) const {
+        constexpr float DIFFERENT = 0.004F;
+        if (light_.kind == LightKind::SPHERE && light_.cone_cosine <= -1.0F) {
+            return false;
+        }
+        Real sent[3] = {0.0F, 0.0F, 0.0F};
+        const std::size_t count = light_.samples.size(), step = count < 16 ? 1 : 5; // a part of them tells it, too
+        for (std::size_t j = 0; j < count; j += step) {
+            for (int i = 0; i < 3; ++i) {
+                sent[i] = sent[i] + sample_share(light_, light_.samples[j], points[i]);
+            }
+        }
+        const Real bend = abs(sent[1] - 0.5F * (sent[0] + sent[2]));
+        return xsimd::any(stretch.asked & (bend * static_cast<float>(step) > DIFFERENT));
+    }
+    // Whether between three points a map may be met. From octant to octant about the light a ray bends on it, so that
+    // it lies half as far beside them as they lie apart.
+    [[nodiscard]] static bool meets(const Stretch &stretch, const vec3 *points, const LightMapView &map) {
+        const vec3 a = place_on(map, points[0]), b = place_on(map, points[1]), c = place_on(map, points[2]);
+        const auto on = [](Real p, Real q, Real r) {
+            const Real low = min(min(p, q), r), high = max(max(p, q), r), beside = 0.5F * (high - low);
+            return (low - beside < 1.0F) & (high + beside > 0.0F);
+        };
+        return xsimd::any(stretch.asked & on(a.x, b.x, c.x) & on(a.y, b.y, c.y));
     }
     // Of a spot, what lies in its cone, by distances from the foot.
     void cut_at_cone(Real &begin, Real &end) const {
@@ -592,51 +696,30 @@ private:
 
     static constexpr float FEWEST = 12.0F; // sections of all pieces
 
-    // So many that a section crosses no more than some texels of a map, about.
-    [[nodiscard]] int sections(const Piece &piece, const LightMapView &map, float texels) const {
+    // Of a share of a stretch so many that a section crosses no more than some texels of a map, about.
+    [[nodiscard]] int sections(const Stretch &stretch, float share, const LightMapView &map, float texels) const {
         // From the middle of the octahedron's square to its edge it is a quarter of a turn, of which the angle is half.
+        // In the middle of a stretch x goes half as fast again.
         const float per_radian = static_cast<float>(map.width) * map.scale[0] * 0.6366F;
-        const Real count = piece.stretch.angle * (2.0F * per_radian / texels);
-        return static_cast<int>(std::ceil(std::min(highest(pick(piece.asked, count, 0.0F)), MOST)));
-    }
-
-    // Whether in a piece the light fades too fast for so many sections, or its own size bends the way it does.
-    [[nodiscard]] bool changes(const Piece &piece, int count) const {
-        constexpr float DIFFERENT = 0.03F, NEAR = 4.0F;
-        const Mask meets = (piece.begin < 0.0F) & (piece.end > 0.0F);
-        if (xsimd::any(piece.asked & meets & (away2_ < NEAR * light_.size2))) {
-            return true;
-        }
-        if (light_.kind == LightKind::SPHERE && light_.cone_cosine <= -1.0F) {
-            return false;
-        }
-        Real before = 0.0F;
-        for (int i = 0; i <= count; ++i) {
-            const vec3 place = way_.place(foot_ + piece.place(static_cast<float>(i) / static_cast<float>(count)));
-            Real here = 0.0F;
-            for (const glm::vec3 &sample : light_.samples) {
-                here = here + sample_share(light_, sample, place);
-            }
-            if (i > 0 && xsimd::any(piece.asked & (abs(here - before) > DIFFERENT))) {
-                return true;
-            }
-            before = here;
-        }
-        return false;
+        const Real count = stretch.lit.angle * (1.5F * share * 2.0F * per_radian / texels);
+        return std::max(static_cast<int>(std::ceil(std::min(highest(pick(stretch.asked, count, 0.0F)), MOST))), 1);
     }
 
     void add_by_look_ups(const std::vector<Piece> &pieces) const {
         for (const Piece &piece : pieces) {
+            const Stretch &stretch = *piece.stretch;
+            const float width = piece.x1 - piece.x0;
             in_sections(
-                at_, piece.asked, std::max(piece.cut.count, sections(piece, *solids(0), 2.0F)),
-                [&](float x) { return foot_ + piece.place(x); },
+                at_, stretch.asked, std::max(piece.cut.count, sections(stretch, width, *solids(0), 2.0F)),
+                [&](float x) { return foot_ + stretch.place(piece.x0 + width * x); },
                 [&](float x0, float x1, const Open &before, const Open &after) {
                     if (any(before, after)) {
-                        add_section(piece, x0, x1, [&](int c) -> Through::Factors {
-                            const Real change = after.of[c] - before.of[c];
-                            return {before.of[c] + change * Through::GAUSS[0],
-                                    before.of[c] + change * Through::GAUSS[1]};
-                        });
+                        add_section(piece, piece.x0 + width * x0, piece.x0 + width * x1,
+                                    [&](int c) -> Through::Factors {
+                                        const Real change = after.of[c] - before.of[c];
+                                        return {before.of[c] + change * Through::GAUSS[0],
+                                                before.of[c] + change * Through::GAUSS[1]};
+                                    });
                     }
                 });
         }
@@ -645,10 +728,11 @@ private:
     // `factors` of a colour are what gets through, at the two points of Gauss.
     template <typename FactorsOf>
     void add_section(const Piece &piece, float x0, float x1, const FactorsOf &factors) const {
+        const Stretch &stretch = *piece.stretch;
         const float width = x1 - x0;
-        Colours &sum = way_.scatter[piece.step];
+        Colours &sum = way_.scatter[stretch.step];
         for (int node = 0; node < 2; ++node) {
-            const auto point = AirText().lit_point(piece.stretch, x0 + width * Through::GAUSS[node]);
+            const auto point = AirText().lit_point(stretch.lit, x0 + width * Through::GAUSS[node]);
             const Real t = foot_ + point.place;
             const vec3 place = way_.place(t);
             const Real distance2 = away2_ + point.place * point.place, distance = sqrt(distance2);
@@ -661,12 +745,12 @@ private:
             const Real sine2 = turned * turned, whole = 1.0F / max(sine2 + away2_, 1e-30F);
             Phases by = phases(sine2 * whole, away2_ * whole);
             constexpr float FAR = 6.0F; // of the light's size: from there all of it lies in one direction
-            if (light_.area > 0.0F && xsimd::any(piece.asked & (distance2 < FAR * FAR * light_.size2))) {
+            if (light_.area > 0.0F && xsimd::any(stretch.asked & (distance2 < FAR * FAR * light_.size2))) {
                 by = phases_of_samples(place);
             }
-            const Way::Depth to_eye = way_.to_eye(way_.steps[piece.step].fogs, t),
+            const Way::Depth to_eye = way_.to_eye(way_.steps[stretch.step].fogs, t),
                              to_light = way_.to_light(light_, light_.position, t);
-            const Real amount = pick(piece.asked, rate * (0.5F * width) * density(place), 0.0F);
+            const Real amount = pick(stretch.asked, rate * (0.5F * width) * density(place), 0.0F);
             Real left = 0.0F;
             for (int c = 0; c < 3; ++c) {
                 if (c < way_.colours) {
