@@ -72,8 +72,8 @@ private:
 // What all air on rays sends, and takes.
 class AllAir {
 public:
-    AllAir(const FrameView &frame, const Ray &ray, Real end, Mask asked)
-        : frame_(frame), ray_(ray), walls_(frame, ray, end, asked) {}
+    AllAir(const FrameView &frame, const Packet &packet, const Ray &ray, Real end, Mask asked)
+        : frame_(frame), packet_(packet), ray_(ray), walls_(frame, ray, end, asked) {}
 
     // On to another place, which is a knot.
     void go(Real to) {
@@ -108,10 +108,11 @@ private:
     }
     [[nodiscard]] std::vector<Colours> sent() const;
     [[nodiscard]] Way way(std::size_t air, int body, std::span<const Step> steps, std::vector<Colours> &sum) const {
-        return {frame_, frame_.air[air], body, ray_, frame_.grey ? 1 : 3, steps, sum};
+        return {frame_, packet_, frame_.air[air], body, ray_, frame_.grey ? 1 : 3, steps, sum};
     }
 
     const FrameView &frame_;
+    const Packet &packet_;
     const Ray &ray_;
     Walls walls_;
     Taken taken_;
@@ -252,7 +253,7 @@ void trace_air(const FrameView &frame, const Packet &packet, Layers &out) {
                                             broadcast(c[4]), broadcast(c[5]), u, v);
     const Real end = Real::load_aligned(out.distance) * Real::load_aligned(packet.active);
     Events &events = *out.events;
-    AllAir air(frame, ray, end, Real::load_aligned(packet.active) > 0.0F);
+    AllAir air(frame, packet, ray, end, Real::load_aligned(packet.active) > 0.0F);
     if (events.any() || events.knots.count > 0) {
         const Stretch stretch = met(events, end, frame.grey ? 1 : 3);
         for (int i = 0; i <= STEPS; ++i) {

@@ -48,6 +48,7 @@ struct Colours {
 // Rays through air, of which one scatters here, the world's takes light everywhere, and fogs take some, too.
 struct Way {
     const FrameView &frame;
+    const Packet &packet;
     const AirView &air; // that scatters
     int body;           // its own, on whose maps solids are looked up; or none
     const Ray &ray;
@@ -161,6 +162,10 @@ public:
     Shine(const Way &way, const LightView &light)
         : way_(way), light_(light),
           bodies_(way.frame.extinctions.size()), at_{&light, way.frame.extinctions, way.body, way.colours == 1} {
+        if (light.samples.size() % way.packet.turns == 0) {
+            first_ = way.packet.turn;
+            every_ = way.packet.turns;
+        }
         for (std::size_t m = 0; m < light_.samples.size() * bodies_; ++m) {
             dimmed_ = dimmed_ || !(light_.maps[m].empty() || light_.maps[m].clear());
         }
@@ -206,14 +211,29 @@ protected:
         return out;
     }
 
+    // Of all samples, past solids and sheets, too.
+    [[nodiscard]] Open open_to_all(Real t) const {
+        Open sum{{0.0F, 0.0F, 0.0F}};
+        ArrivingAt at = at_;
+        for (std::size_t j = first_; j < light_.samples.size(); j += every_) {
+            at.only = static_cast<int>(j);
+            const Open one = open(at, t);
+            for (int c = 0; c < 3; ++c) {
+                sum.of[c] = sum.of[c] + one.of[c] * static_cast<float>(every_);
+            }
+        }
+        return sum;
+    }
+
     // What a sample sends to places past all but solids: of each as many numbers as colours are looked up. Where many
     // samples are dimmed each is looked up at every other place, by turns, and goes straight between.
     [[nodiscard]] int colours() const { return dimmed_ ? way_.colours : 1; }
     void past_solids(std::size_t sample, std::span<const Real> places, bool dims, std::vector<Real> &ends) const {
         const auto numbers = static_cast<std::size_t>(colours());
+        const auto others = static_cast<float>(every_); // for which it stands, too
         if (!dims) {
             for (const Real &t : places) {
-                ends.insert(ends.end(), numbers, sample_share(light_, light_.samples[sample], way_.place(t)));
+                ends.insert(ends.end(), numbers, others * sample_share(light_, light_.samples[sample], way_.place(t)));
             }
             return;
         }
@@ -224,11 +244,13 @@ protected:
         ends.resize(first + places.size() * numbers);
         const auto end = [&](std::size_t i) { return ends.begin() + static_cast<std::ptrdiff_t>(first + i * numbers); };
         const bool turns = light_.samples.size() >= 16;
-        const auto looked_up = [&](std::size_t i) { return !turns || i == 0 || i == last || (i + sample) % 2 == 0; };
+        const auto looked_up = [&](std::size_t i) {
+            return !turns || i == 0 || i == last || (i + sample / every_) % 2 == 0;
+        };
         for (std::size_t i = 0; i <= last; ++i) {
             if (looked_up(i)) {
                 const Open arrives = open(at, places[i]);
-                std::copy_n(arrives.of, numbers, end(i));
+                std::transform(arrives.of, arrives.of + numbers, end(i), [&](Real x) { return others * x; });
             }
         }
         for (std::size_t i = 0; i <= last; ++i) {
@@ -251,17 +273,17 @@ protected:
     // Calls add(x0, x1, open, open) for sections of [0, 1], of the lanes that are asked for; one at whose ends what
     // gets through is not the same is cut again.
     template <typename Place, typename Add>
-    void in_sections(const ArrivingAt &at, Mask asked, int count, const Place &place, const Add &add) const {
+    void in_sections(Mask asked, int count, const Place &place, const Add &add) const {
         constexpr int PARTS = 8;
         constexpr float DIFFERENT = 0.03F;
         if (count == 0) {
             return;
         }
         const float step = 1.0F / static_cast<float>(count), part = step / PARTS;
-        Open before = open(at, place(0.0F));
+        Open before = open_to_all(place(0.0F));
         for (int i = 0; i < count; ++i) {
             const float x = step * static_cast<float>(i);
-            const Open after = open(at, place(x + step));
+            const Open after = open_to_all(place(x + step));
             const Real change = max(abs(after.of[0] - before.of[0]), abs(after.of[2] - before.of[2]));
             if (!xsimd::any(asked & (change > DIFFERENT))) {
                 add(x, x + step, before, after);
@@ -270,7 +292,7 @@ protected:
             }
             for (int k = 0; k < PARTS; ++k) {
                 const float from = x + part * static_cast<float>(k);
-                const Open next = k + 1 < PARTS ? open(at, place(from + part)) : after;
+                const Open next = k + 1 < PARTS ? open_to_all(place(from + part)) : after;
                 add(from, from + part, before, next);
                 before = next;
             }
@@ -300,7 +322,8 @@ protected:
     const LightView &light_;
     std::size_t bodies_;
     ArrivingAt at_;
-    bool dimmed_ = false; // by smoke or fog somewhere
+    bool dimmed_ = false;               // by smoke or fog somewhere
+    std::size_t first_ = 0, every_ = 1; // of its samples
 };
 
 // Of parallel light.
@@ -329,8 +352,8 @@ public:
             }
         }
         const Real first = pieces.front().from, last = pieces.back().to;
-        for (std::size_t j = 0; j < light_.samples.size(); ++j) {
-            const Real weight = sample_share(light_, light_.samples[j], way_.ray.origin);
+        for (std::size_t j = first_; j < light_.samples.size(); j += every_) {
+            const Real weight = static_cast<float>(every_) * sample_share(light_, light_.samples[j], way_.ray.origin);
             ends.clear();
             std::span<const Real> left = places;
             for (const Piece &piece : pieces) {
@@ -452,7 +475,7 @@ private:
             const Mask asked = step.from < step.to;
             const Real to = pick(asked, step.to, step.from);
             const auto place = [&](float x) { return step.from + (to - step.from) * x; };
-            in_sections(at_, asked, std::max(sections(*solids(0), step.from, to, 2.0F), sections(step.from, to)), place,
+            in_sections(asked, std::max(sections(*solids(0), step.from, to, 2.0F), sections(step.from, to)), place,
                         [&](float x0, float x1, const Open &before, const Open &after) {
                             if (any(before, after)) {
                                 add_section(number, place(x0), place(x1),
@@ -520,7 +543,7 @@ public:
         const Mask asked = first < last;
         first = foot_ + pick(asked, first, 0.0F);
         last = foot_ + pick(asked, last, 0.0F);
-        for (std::size_t j = 0; j < light_.samples.size(); ++j) {
+        for (std::size_t j = first_; j < light_.samples.size(); j += every_) {
             ends.clear();
             std::span<const Real> left = places;
             for (const Piece &piece : pieces) {
@@ -710,7 +733,7 @@ private:
             const Stretch &stretch = *piece.stretch;
             const float width = piece.x1 - piece.x0;
             in_sections(
-                at_, stretch.asked, std::max(piece.cut.count, sections(stretch, width, *solids(0), 2.0F)),
+                stretch.asked, std::max(piece.cut.count, sections(stretch, width, *solids(0), 2.0F)),
                 [&](float x) { return foot_ + stretch.place(piece.x0 + width * x); },
                 [&](float x0, float x1, const Open &before, const Open &after) {
                     if (any(before, after)) {
@@ -766,7 +789,8 @@ private:
     [[nodiscard]] Phases phases_of_samples(const vec3 &place) const {
         Phases sum{0.0F, 0.0F};
         Real all = 1e-20F;
-        for (const glm::vec3 &sample : light_.samples) {
+        for (std::size_t j = first_; j < light_.samples.size(); j += every_) {
+            const glm::vec3 &sample = light_.samples[j];
             const Real share = sample_share(light_, sample, place);
             const vec3 way = place - broadcast(sample);
             const Real cosine = -dot(way, way_.ray.direction) * inversesqrt(max(dot(way, way), 1e-30F));

@@ -118,6 +118,8 @@ struct Packet {
     // Shadows of solids are averaged over these, as they fall on the plane of the surface that the ray itself meets.
     // Where there are none, from the ray itself, and light_u and light_v.
     std::span<ShadowSample> shadows;
+    // In air every one of so many samples of a light is followed, from this one on: what makes up a pixel takes turns.
+    std::size_t turn = 0, turns = 1;
 };
 
 // What a compositor is given of the first surface on each ray; 0 where there is none. Of these, what is asked for.

@@ -134,22 +134,29 @@ void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patte
     const std::size_t count = patterns.front().size(), sums = image.sums();
     const auto reach = static_cast<float>(film.filter.diameter() / (2.0 * std::sqrt(static_cast<double>(count))));
     std::vector<double> sum(columns.size() * sums);
-    const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
-        const int x = columns[number / count];
-        const FilmSample &s = patterns[static_cast<std::size_t>(film_turn(x, y))][number % count];
-        packet.u[lane] = (static_cast<float>(x) + 0.5F + s.x) / static_cast<float>(image.width);
-        packet.v[lane] = (static_cast<float>(y) + 0.5F + s.y) / static_cast<float>(image.height);
-        packet.light_u[lane] = s.light_u;
-        packet.light_v[lane] = s.light_v;
-        packet.reach = reach;
-    };
-    tracer.trace(columns.size() * count, fill, [&](const Layers &layers, std::size_t lane, std::size_t number) {
-        Image::Sample values{};
-        image.read(layers, lane, values);
-        for (std::size_t c = 0; c < sums; ++c) {
-            sum[number / count * sums + c] += static_cast<double>(values[c]);
-        }
-    });
+    // In air the samples of a pixel share those of the lights, each of its rows and columns all of them.
+    const std::size_t turns = tracer.view.air.empty() || count % 4 != 0 ? 1 : 4, each = count / turns;
+    for (std::size_t turn = 0; turn < turns; ++turn) {
+        const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
+            const int x = columns[number / each];
+            const std::size_t i = number % each, k = turns * i + (turn + (turns - 1) * i) % turns;
+            const FilmSample &s = patterns[static_cast<std::size_t>(film_turn(x, y))][k];
+            packet.u[lane] = (static_cast<float>(x) + 0.5F + s.x) / static_cast<float>(image.width);
+            packet.v[lane] = (static_cast<float>(y) + 0.5F + s.y) / static_cast<float>(image.height);
+            packet.light_u[lane] = s.light_u;
+            packet.light_v[lane] = s.light_v;
+            packet.reach = reach;
+            packet.turn = turn;
+            packet.turns = turns;
+        };
+        tracer.trace(columns.size() * each, fill, [&](const Layers &layers, std::size_t lane, std::size_t number) {
+            Image::Sample values{};
+            image.read(layers, lane, values);
+            for (std::size_t c = 0; c < sums; ++c) {
+                sum[number / each * sums + c] += static_cast<double>(values[c]);
+            }
+        });
+    }
     for (std::size_t i = 0; i < columns.size(); ++i) {
         Image::Sample values{};
         for (std::size_t c = 0; c < sums; ++c) {
