@@ -102,7 +102,7 @@ inline Real march(const ShaftView &view, const Ray &ray, Real distance, Mask ask
 }
 
 std::size_t count_of(Real tested) {
-    return static_cast<std::size_t>(xsimd::hadd(tested));
+    return static_cast<std::size_t>(sum(tested));
 }
 
 std::size_t march_row(const ShaftView &view, int y, float most, float *out) {

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 #include <glm/vec3.hpp>
 #include <xsimd/xsimd.hpp>
@@ -100,6 +101,12 @@ inline Real lane_numbers() {
 
 inline float lowest(Real x) {
     return Isa::lowest_lane(x);
+}
+
+inline float sum(Real x) {
+    alignas(64) float lanes[LANES];
+    x.store_aligned(lanes);
+    return std::accumulate(lanes, lanes + LANES, 0.0F);
 }
 
 inline float highest(Real x) {

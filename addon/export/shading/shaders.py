@@ -263,14 +263,13 @@ def _density(reader: Reader, place: Place, weight: Field) -> Field:
 
 def _anisotropy(reader: Reader, place: Place) -> Field:
     """Of Henyey and Greenstein's phase function; of the others, the mean cosine."""
-    if "Anisotropy" not in place.node.inputs:
-        return fields.constant(0.0)
     phase = getattr(place.node, "phase", "HENYEY_GREENSTEIN")
     found = fields.constant(0.0)
-    if phase in {"HENYEY_GREENSTEIN", "DRAINE"}:
+    # Some Blenders find a socket by its name only where the phase function has it.
+    if phase in {"HENYEY_GREENSTEIN", "DRAINE"} and "Anisotropy" in place.node.inputs:
         found = reader.value(place, "Anisotropy")
         found = fields.of("clamp", found, fields.constant(-_MOST), fields.constant(_MOST))
-    elif phase != "RAYLEIGH":
+    elif phase not in {"HENYEY_GREENSTEIN", "RAYLEIGH"}:
         found = fields.constant(_FORWARD)
     if phase != "HENYEY_GREENSTEIN":
         shown = "its Anisotropy" if found.constant is None else f"an anisotropy of {float(found.constant[0]):.3g}"
