@@ -2,7 +2,8 @@
 // The stage of the air: what it scatters of all lights, emits and takes between the eye and the first opaque surface of
 // each ray. A ray goes in steps, from knot to knot, at which what is met there finds what the air sends before it; and
 // from wall to wall of fogs.
-#include "frame/airlight_lanes.hpp"
+#include "frame/lamp_shine_lanes.hpp"
+#include "frame/sun_shine_lanes.hpp"
 #include "media/fog_lanes.hpp"
 
 #include <algorithm>

@@ -61,6 +61,11 @@ inline Real patch_fade(const LightView &light, Real cosine, Real height, float p
     return lower * LightsText().spread_fade(cosine, light.spread_cotangent * sqrt(lower));
 }
 
+// Whether what one of the light's samples brings, as a share of falloff_of(), is the same everywhere.
+inline bool shares_alike(const LightView &light) {
+    return light.kind == LightKind::SUN || (light.kind == LightKind::SPHERE && light.cone_cosine <= -1.0F);
+}
+
 // What one of the light's samples brings to a point, as a share of falloff_of().
 inline Real sample_share(const LightView &light, const glm::vec3 &sample, const vec3 &world) {
     const float count = static_cast<float>(light.samples.size());
