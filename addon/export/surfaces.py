@@ -333,9 +333,9 @@ def _dimmed(surface: Surface, material: Any, owner: str, notices: list[str]) -> 
 
 
 def surfaces(thing: Any, depsgraph: Any, notices: list[str]) -> list[Surface] | None:
-    """One for each material slot; None for an object without any surface."""
+    """One for each material slot, clear where it has only a volume; None for an object without any surface."""
     slots = materials_of(thing, depsgraph) or [None]
     found = [surface_of(material, thing.name, notices) for material in slots]
     if all(surface is None for surface in found):
         return None
-    return [surface or Surface() for surface in found]
+    return [surface or Surface(transmittance=np.ones(3)) for surface in found]

@@ -49,6 +49,20 @@ class Skip(Exception):
     """Raised by a test that has nothing to test here; the message says why."""
 
 
+def put(shader: Any, **values: Any) -> None:
+    """Set inputs of a node, whose spaces are underscores here; a colour is three numbers."""
+    for name, value in values.items():
+        socket = shader.inputs[name.replace("_", " ")]
+        socket.default_value = (*value, 1.0) if isinstance(value, tuple) else value
+
+
+def said() -> list[str]:
+    """What of the scene is not shown as it is."""
+    from sfumato.export import scene
+
+    return list(scene.export(bpy.context.evaluated_depsgraph_get()).notices)
+
+
 def black_world() -> bpy.types.World:
     """One that sends nothing. Since 5.0 new ones have a grey Background, whatever their colour; and without any world
     Cycles 5.0.1 shows no smoke."""

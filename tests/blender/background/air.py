@@ -12,8 +12,8 @@ import bpy
 import harness
 import numpy as np
 import pictures
+from harness import put, said
 from sfumato import log, ops, props  # type: ignore[attr-defined]
-from sfumato.export import scene
 
 SIZE = (48, 32)
 MOST = 0.02  # of the mean square of blocks
@@ -62,16 +62,6 @@ def fill(*kinds: str) -> list[Any]:
         whole = added.outputs[0]
     tree.links.new(whole, output.inputs["Volume"])
     return shaders
-
-
-def put(shader: Any, **values: Any) -> None:
-    for name, value in values.items():
-        socket = shader.inputs[name.replace("_", " ")]
-        socket.default_value = (*value, 1.0) if isinstance(value, tuple) else value
-
-
-def said() -> list[str]:
-    return list(scene.export(bpy.context.evaluated_depsgraph_get()).notices)
 
 
 def beside_cycles(case: str, samples: int = 256, size: tuple[int, int] = SIZE) -> None:

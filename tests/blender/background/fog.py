@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 import harness
 import pictures
+from harness import put, said
 from sfumato.export import scene
 
 SIZE = (48, 32)
@@ -62,16 +63,6 @@ def place(kind: str, shape: Callable[[], None], *shaders: str) -> tuple[Any, lis
         tree.links.new(added.outputs[0], output.inputs["Volume"])
         found.append(other)
     return thing, found
-
-
-def put(shader: Any, **values: Any) -> None:
-    for name, value in values.items():
-        socket = shader.inputs[name.replace("_", " ")]
-        socket.default_value = (*value, 1.0) if isinstance(value, tuple) else value
-
-
-def said() -> list[str]:
-    return list(scene.export(bpy.context.evaluated_depsgraph_get()).notices)
 
 
 def beside_cycles(case: str, samples: int = 256) -> None:
@@ -145,6 +136,22 @@ def test_instances_modifiers_and_surfaces_are_followed() -> None:
     clear.inputs["Color"].default_value = (0.5, 0.8, 0.9, 1.0)
     tree.links.new(clear.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
     beside_cycles("with a surface, too")
+
+
+def test_faces_that_only_a_volume_has_are_clear_beside_others() -> None:
+    thing, (scatter,) = place("SUN", cube, "VolumeScatter")
+    put(scatter, Density=0.7)
+    lid = bpy.data.materials.new("Lid")
+    lid.use_nodes = True
+    tree = lid.node_tree
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs[0].default_value = (0.7, 0.2, 0.1, 1.0)
+    tree.links.new(diffuse.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    thing.data.materials.append(lid)
+    for face in thing.data.polygons:
+        face.material_index = int(face.normal.x > 0.9 or face.normal.z < -0.9)
+    beside_cycles("a wall and a floor with a surface")
+    assert said() == [], said()
 
 
 def test_what_is_not_followed_is_named() -> None:
