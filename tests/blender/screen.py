@@ -31,7 +31,6 @@ def viewport() -> tuple[Any, Any, Any]:
 def prepare(shading: str) -> Any:
     """A viewport whose picture depends on nothing but the scene: no lines, no antialiasing. Returns its space."""
     bpy.context.preferences.system.viewport_aa = "OFF"
-    bpy.context.scene.eevee.taa_samples = 1  # or Material Preview redraws by itself
     space = viewport()[1].spaces.active
     space.shading.type = shading
     space.overlay.show_overlays = False

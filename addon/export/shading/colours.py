@@ -91,8 +91,8 @@ def _hue_saturation(hue: Array, saturation: Array, value: Array, factor: Array, 
     return np.maximum(rgb + factor[:, None] * (changed - rgb), 0.0)
 
 
-# The colour of a black body of luminance 1, as Cycles' Blackbody node has it: kelvin, RGB. Measured in 3.4.1; 4.5.15 and
-# 5.3.0 have the same. Linear in one over the temperature between these rows, the error is below .25 %. Below 800 K and
+# The colour of a black body of luminance 1, as Cycles' Blackbody node has it: kelvin, RGB. Measured in 3.4.1; 4.5.15,
+# 5.2.2 and 5.3.0 have the same. Linear in one over the temperature between these rows, the error is below .25 %. Below 800 K and
 # above 12000 K it stays as it is. What is negative is 0 here: Cycles' fire, other than that node, emits negative blue
 # below some 1900 K, and green below 950 K.
 _BLACKBODY = np.array([
@@ -100,10 +100,10 @@ _BLACKBODY = np.array([
     (1050, 4.4272, 0.0909, 0.0), (1167, 4.0603, 0.1998, 0.0), (1300, 3.7027, 0.3055, 0.0), (1449, 3.3669, 0.4041, 0.0),
     (1650, 2.997, 0.5115, 0.0), (1902, 2.6376, 0.6141, 0.0), (2100, 2.4118, 0.6768, 0.0424),
     (2350, 2.1825, 0.7389, 0.1016), (2650, 1.9663, 0.7956, 0.1785), (3000, 1.7708, 0.8443, 0.2722),
-    (3315, 1.6318, 0.8777, 0.3559), (3700, 1.4986, 0.9063, 0.4579), (4200, 1.3652, 0.9333, 0.5824),
-    (4900, 1.229, 0.9581, 0.741), (5700, 1.1204, 0.9745, 0.8998), (6365, 1.0536, 0.983, 1.0142),
-    (7300, 0.9862, 0.9888, 1.15), (8500, 0.9242, 0.993, 1.2926), (10000, 0.8714, 0.9949, 1.4305),
-    (12000, 0.827, 0.9941, 1.5668),
+    (3315, 1.6318, 0.8777, 0.3559), (3700, 1.4986, 0.9063, 0.4579), (3984, 1.4185, 0.9228, 0.5296),
+    (4200, 1.3652, 0.9333, 0.5824), (4900, 1.229, 0.9581, 0.741), (5700, 1.1204, 0.9745, 0.8998),
+    (6365, 1.0536, 0.983, 1.0142), (7300, 0.9862, 0.9888, 1.15), (8500, 0.9242, 0.993, 1.2926),
+    (10000, 0.8714, 0.9949, 1.4305), (12000, 0.827, 0.9941, 1.5668),
 ])  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from sfumato.export.shading import fields, reading
 # Cycles has ramps at these places alone, and what lies between them is linear there.
 TABLE = 256 if bpy.app.version >= (4, 0, 0) else 255
 VALUES = np.array([*np.arange(0, TABLE + 1, 5) / TABLE, -1.3, -0.4, 1.25, 2.5]).astype(np.float32).astype(np.float64)
-OTHERS = (VALUES[::-1] * 0.7 + 0.1) % 1.0
+OTHERS = (VALUES[::-1] * 0.7 + 0.107) % 1.0  # none of VALUES is a multiple of its own: there roundings decide
 Build = Callable[..., Any]  # of a tree and the sockets of two numbers and a colour: the colour's
 
 

@@ -49,6 +49,7 @@ def soft_plume(shading: str) -> Generator[None, None, Any]:
     bpy.context.view_layer.objects.active.name = "Plate"
     settings = bpy.context.scene
     settings.render.engine = "SFUMATO"
+    settings.eevee.taa_samples = 1  # Material Preview is EEVEE's, which else redraws by itself
     space = screen.prepare(shading)
     region = screen.viewport()[2]
     settings.render.resolution_x, settings.render.resolution_y = region.width, region.height
