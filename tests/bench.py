@@ -226,11 +226,12 @@ def shafts() -> tuple[Sequence[Row], list[str]]:
     """Light in air: a lamp's, beside the published table; and ways to follow the light that solids leave."""
     sys.path.insert(0, str(ROOT / "build" / "python"))
     from bench_airlight import points
-    from bench_shafts import windows
+    from bench_shafts import samples, windows
 
     lamps, of_lamps = points()
     rows, said = windows()
-    return [*lamps, *rows], [*of_lamps, *said]
+    blends, of_blends = samples()
+    return [*lamps, *rows, *blends], [*of_lamps, *said, *of_blends]
 
 
 def package() -> tuple[Sequence[Row], list[str]]:
