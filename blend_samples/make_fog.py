@@ -21,8 +21,8 @@ LAMP, FOCUS = Vector((-2.4, 2.2, 3.0)), Vector((0.7, -0.1, 0.0))
 
 
 def fog() -> None:
-    """A box whose material has a volume alone."""
-    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 1.0, 1.75), scale=(7.0, 5.0, 3.5))
+    """A box whose material has a volume alone. It goes into the floor: one that ends on it Cycles would count twice there."""
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 1.0, 1.7), scale=(7.0, 5.0, 3.6))
     box = make.named("Fog")
     made = bpy.data.materials.new("Fog")
     made.use_nodes = True
