@@ -13,22 +13,27 @@ from bench_rows import LightRow
 from blender_run import ROOT
 
 VERSION = "5.0.1"
-COMMAND = ["tests/official", "--script", "tests/bench/bench_denoised_in_blender.py", VERSION]
 
 
 def denoised() -> tuple[list[LightRow], list[str]]:
     """Rows of all methods, and for each way of Cycles where it stands. Raises RuntimeError where Blender fails."""
+    rows = rows_of("tests/bench/bench_denoised_in_blender.py")
+    return rows, remarks(rows)
+
+
+def rows_of(script: str) -> list[LightRow]:
+    """What a script prints inside an official Blender. Raises RuntimeError where that fails."""
+    command = ["tests/official", "--script", script, VERSION]
     printed = []
-    with subprocess.Popen(COMMAND, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         assert process.stdout is not None
         for line in process.stdout:
             printed.append(line)
             if line.startswith(progress.MARK):
                 print(line, end="", file=sys.stderr, flush=True)
     if process.returncode != 0:
-        raise RuntimeError(f"{' '.join(COMMAND)} ended with {process.returncode}:\n{''.join(printed[-40:])}")
-    rows: list[LightRow] = [json.loads(line[4:]) for line in printed if line.startswith("ROW ")]
-    return rows, remarks(rows)
+        raise RuntimeError(f"{' '.join(command)} ended with {process.returncode}:\n{''.join(printed[-40:])}")
+    return [json.loads(line[4:]) for line in printed if line.startswith("ROW ")]
 
 
 def series(rows: list[LightRow], way: str, end: str) -> list[LightRow]:

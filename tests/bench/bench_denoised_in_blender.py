@@ -15,6 +15,7 @@ import json
 import math
 import statistics
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
@@ -33,6 +34,7 @@ PARTS = {7: 512, 8: 128}  # samples of the judge by their seed
 MOST_RUNS, ENOUGH_SECONDS = 5, 5.0
 FACTS = json.loads((harness.ROOT / "tests" / "goldens" / "plume_cycles.json").read_text(encoding="utf-8"))
 ROOM = harness.ROOT / "build" / "denoised"
+Crop = Callable[[np.ndarray], np.ndarray]
 
 
 def choose(method: str) -> tuple[str, bool, bool]:
@@ -65,22 +67,28 @@ def picture() -> np.ndarray:
     return pixels(path)
 
 
-def judge() -> tuple[np.ndarray, float]:
-    """The rectangle by many samples of Cycles, and its noise: of n and m samples with independent noise of variance v / n
-    and v / m, the difference has v (n + m) / (n m) and their mean by samples v / (n + m)."""
+def linear_exr() -> None:
+    settings = bpy.context.scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
+
+
+def judge(name: str, samples_by_seed: dict[int, int], crop: Crop) -> tuple[np.ndarray, float]:
+    """What `crop` leaves of the open scene's picture by many samples of Cycles, and its noise: of n and m samples with
+    independent noise of variance v / n and v / m, the difference has v (n + m) / (n m) and their mean by samples
+    v / (n + m)."""
     parts = []
-    for seed, samples in PARTS.items():
-        path = ROOM / f"plume_{bpy.app.version_string.split()[0]}_{samples}_{seed}.exr"
+    for seed, samples in samples_by_seed.items():
+        path = ROOM / f"{name}_{bpy.app.version_string.split()[0]}_{samples}_{seed}.exr"
         if not path.exists():
-            progress.step(f"{samples} samples of the judge")
+            progress.step(f"{samples} samples of the judge of {name}")
             choose(f"cycles-{samples}")
             bpy.context.scene.cycles.seed = seed
             bpy.ops.render.render()
             ROOM.mkdir(parents=True, exist_ok=True)
             bpy.data.images["Render Result"].save_render(str(path))
             bpy.context.scene.cycles.seed = 0
-        parts.append(inside(pixels(path)))
-    n, m = PARTS.values()
+        parts.append(crop(pixels(path)))
+    n, m = samples_by_seed.values()
     golden = (n * parts[0] + m * parts[1]) / (n + m)
     share = math.sqrt(n * m) / (n + m)
     return golden, share * float(np.sqrt(np.mean((parts[0] - parts[1]) ** 2)) / np.mean(golden))
@@ -96,24 +104,23 @@ def inside(image: np.ndarray) -> np.ndarray:
     return image[y0:y1, x0:x1]
 
 
-def main() -> None:
-    harness.open_plume(FACTS["frame"])
-    settings = bpy.context.scene.render.image_settings
-    settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
-    golden, noise = judge()
+def print_rows(case: str, methods: Sequence[str], samples_by_seed: dict[int, int], crop: Crop, where: str) -> None:
+    """Of the open scene, as Blender prints them; `where` is what `crop` leaves, in words."""
+    golden, noise = judge(case, samples_by_seed, crop)
     before = None
-    for method in METHODS:
-        progress.step(method)
+    for method in methods:
+        progress.step(f"{case}: {method}")
         if before != (before := choose(method)):
             begin_anew()
         runs = [seconds_of_render()]
         while len(runs) < MOST_RUNS and sum(runs) < ENOUGH_SECONDS:
             runs.append(seconds_of_render())
-        error = relative_rmse(inside(picture()), golden)
+        error = relative_rmse(crop(picture()), golden)
+        total = sum(samples_by_seed.values())
         row = LightRow(
-            case="plume",
+            case=case,
             method=method,
-            metric=f"relative RMSE in the rectangle, against {sum(PARTS.values())} samples of Cycles {bpy.app.version_string}",
+            metric=f"relative RMSE {where}, against {total} samples of Cycles {bpy.app.version_string}",
             error=error,
             seconds=statistics.median(runs),
             bytes=None,
@@ -122,6 +129,12 @@ def main() -> None:
             true_error=math.sqrt(max(error**2 - noise**2, 0.0)),
         )
         print("ROW", json.dumps(row), flush=True)
+
+
+def main() -> None:
+    harness.open_plume(FACTS["frame"])
+    linear_exr()
+    print_rows("plume", METHODS, PARTS, inside, "in the rectangle")
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 

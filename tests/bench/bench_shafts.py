@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
-import json
-import tempfile
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import progress
 import sfumato
+from bench_denoised import remarks as where_cycles_stands
+from bench_denoised import rows_of
 from bench_rows import LightRow, Row, ShaftRow
-from blender_run import ROOT, run_script
 from shaft_cases import Array, distances, perspective, room, sun_map
 
 # Pixels and texels: as published, and a preview's.
@@ -78,23 +76,9 @@ def windows() -> tuple[list[Row], list[str]]:
 
 
 def samples() -> tuple[list[LightRow], list[str]]:
-    """Samples by Sfumato and by Debian's Cycles, which has no denoiser. Cycles' error falls with the root of its time."""
-    rows: list[LightRow] = []
-    remarks: list[str] = []
-    for name in ("fog", "shafts"):
-        progress.step(f"{name}.blend beside Cycles")
-        with tempfile.TemporaryDirectory() as folder:
-            answer = Path(folder) / "rows.json"
-            script = ROOT / "tests" / "bench" / "bench_shafts_in_blender.py"
-            run_script(ROOT / "blend_samples" / f"{name}.blend", script, str(answer))
-            own: list[LightRow] = json.loads(answer.read_text(encoding="utf-8"))
-        rows += own
-        last = own[-1]
-        for row in own:
-            if row["method"].startswith("sfumato"):
-                needed = last["seconds"] * (last["true_error"] / row["true_error"]) ** 2
-                remarks.append(
-                    f"{row['case']}: {row['method']} is {row['true_error']:.2%} off; Cycles would take "
-                    f"{needed / row['seconds']:.3g} times its time for that"
-                )
-    return rows, remarks
+    """Samples by Sfumato and by the Cycles of an official Blender, without and with its denoiser."""
+    rows = rows_of("tests/bench/bench_shafts_in_blender.py")
+    said: list[str] = []
+    for case in dict.fromkeys(row["case"] for row in rows):
+        said += [f"{case}, {line}" for line in where_cycles_stands([row for row in rows if row["case"] == case])]
+    return rows, said
