@@ -20,7 +20,8 @@ public:
         const vec3 towards = broadcast(light.position) - way.ray.origin;
         foot_ = dot(towards, way.ray.direction);
         const vec3 across = towards - way.ray.direction * foot_;
-        away2_ = dot(across, across);
+        // A ray right through the light is one that passes it by a ten-millionth of the way.
+        away2_ = max(dot(across, across), 1e-14F * foot_ * foot_ + 1e-18F);
         distance_ = sqrt(away2_ + light.size2);
     }
 
@@ -30,7 +31,7 @@ public:
             return;
         }
         const std::vector<Piece> pieces = this->pieces(stretches);
-        if (sheets()) {
+        if (with_sheets() != nullptr) {
             add_by_look_ups(pieces);
             return;
         }
@@ -164,7 +165,7 @@ private:
                 const float x0 = static_cast<float>(i) / static_cast<float>(parts);
                 const float x1 = static_cast<float>(i + 1) / static_cast<float>(parts);
                 const vec3 *const own = points.data() + 2 * i;
-                int count = near || fades(stretch, own) ? 8 : 1;
+                int count = std::max(near || fades(stretch, own) ? 8 : 1, scale_heights(stretch, own));
                 bool dims = false;
                 for_dimming([&](const LightMapView &map, float texels) {
                     if (meets(stretch, own, map)) {
@@ -177,6 +178,14 @@ private:
             }
         }
         return out;
+    }
+    // How many of these a part of a stretch crosses, between where air is as dense as it can be and where it is next to
+    // none.
+    [[nodiscard]] int scale_heights(const Stretch &stretch, const vec3 *points) const {
+        constexpr float DENSEST = -40.0F, THINNEST = 12.0F, MOST_HEIGHTS = 64.0F;
+        const auto height = [&](const vec3 &place) { return clamp(height_of(way_.air, place), DENSEST, THINNEST); };
+        const Real crossed = pick(stretch.asked, abs(height(points[2]) - height(points[0])), 0.0F);
+        return way_.air.even() ? 1 : static_cast<int>(std::ceil(std::min(highest(crossed), MOST_HEIGHTS)));
     }
     // Whether the light's own size bends the way it falls off.
     [[nodiscard]] bool meets_light(const Stretch &stretch) const {
@@ -210,17 +219,40 @@ private:
         };
         return xsimd::any(stretch.asked & on(a.x, b.x, c.x) & on(a.y, b.y, c.y));
     }
-    // Of a spot, what lies in its cone, by distances from the foot.
+    // Of a light that shines into a cone, what lies in it, by distances from the foot. Where the light has a size, the
+    // cone begins so far behind it that those of all its points are in it.
     void cut_at_cone(Real &begin, Real &end) const {
-        if (light_.cone_cosine < 0.0F || light_.oval) {
+        const Beam beam = this->beam();
+        if (beam.cosine < 0.0F) {
             return;
         }
-        const vec3 axis = broadcast(light_.direction);
-        const Real foot = dot(way_.place(foot_) - broadcast(light_.position), axis);
-        const auto part =
-            AirText().part_in_cone(sqrt(away2_), foot, dot(way_.ray.direction, axis), Real(light_.cone_cosine));
-        begin = max(begin, part.from);
-        end = min(end, part.to);
+        const float sine = std::sqrt(std::max(1.0F - beam.cosine * beam.cosine, 1e-12F));
+        const vec3 axis = broadcast(light_.direction),
+                   apex = broadcast(light_.position - light_.direction * (beam.size / sine));
+        const Real foot = dot(apex - way_.ray.origin, way_.ray.direction);
+        const vec3 nearest = way_.place(foot) - apex;
+        const auto part = AirText().part_in_cone(sqrt(dot(nearest, nearest)), dot(nearest, axis),
+                                                 dot(way_.ray.direction, axis), Real(beam.cosine));
+        begin = max(begin, part.from + (foot - foot_));
+        end = min(end, part.to + (foot - foot_));
+    }
+    // The cosine of half the angle that a light shines into, less than 0 where that is more than a half-space; and half
+    // the light's own size.
+    struct Beam {
+        float cosine, size;
+    };
+    [[nodiscard]] Beam beam() const {
+        if (light_.spread_cotangent > 0.0F) {
+            const float across = glm::length(light_.across), up = glm::length(light_.up);
+            return {light_.spread_cotangent / std::hypot(light_.spread_cotangent, 1.0F), std::hypot(across, up)};
+        }
+        if (light_.cone_cosine <= 0.0F || !light_.oval) {
+            return {light_.cone_cosine, light_.radius};
+        }
+        // By way of its shorter axis an oval is wider.
+        const float shorter = std::min(glm::length(light_.across), glm::length(light_.up));
+        const float tangent = std::sqrt(1.0F - light_.cone_cosine * light_.cone_cosine) / light_.cone_cosine;
+        return {1.0F / std::hypot(tangent / std::max(shorter, 1e-6F), 1.0F), light_.radius};
     }
 
     static constexpr float FEWEST = 12.0F; // sections of all pieces
@@ -239,7 +271,7 @@ private:
             const Stretch &stretch = *piece.stretch;
             const float width = piece.x1 - piece.x0;
             in_sections(
-                stretch.asked, std::max(piece.cut.count, sections(stretch, width, *solids(0), 2.0F)),
+                stretch.asked, std::max(piece.cut.count, sections(stretch, width, *with_sheets(), 2.0F)),
                 [&](float x) { return foot_ + stretch.place(piece.x0 + width * x); },
                 [&](float x0, float x1, const Open &before, const Open &after) {
                     if (any(before, after)) {

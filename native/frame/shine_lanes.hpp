@@ -59,7 +59,7 @@ struct Way {
     [[nodiscard]] bool of_world() const { return &air == frame.world_air; }
     [[nodiscard]] vec3 place(Real t) const { return ray.origin + ray.direction * t; }
     // Of the air that scatters, metres as dense as at its ground.
-    [[nodiscard]] Real column(Real t) const { return column_on(air, ray.origin, ray.direction, t); }
+    [[nodiscard]] Real column(Real t) const { return min(column_on(air, ray.origin, ray.direction, t), endless(air)); }
     // Towards the eye, in the first of the colours and in all.
     struct Depth {
         Real of[3];
@@ -77,13 +77,19 @@ struct Way {
     }
 
 private:
+    // Metres of which no more are told apart. Columns end there, and depths with them: what an air sends is the
+    // quotient.
+    static float endless(const AirView &air) {
+        return 1e36F / std::max({air.extinction.x, air.extinction.y, air.extinction.z, 1e8F});
+    }
+
     template <typename Column>
     [[nodiscard]] Depth in_world(const Column &column) const {
         Depth depth{{0.0F, 0.0F, 0.0F}};
         if (frame.world_air != nullptr) {
-            const Real metres = column(*frame.world_air);
+            const Real metres = min(column(*frame.world_air), endless(*frame.world_air));
             for (int c = 0; c < colours; ++c) {
-                depth.of[c] = min(metres * frame.world_air->extinction[c], 1e4F);
+                depth.of[c] = metres * frame.world_air->extinction[c];
             }
         }
         return depth;
@@ -135,7 +141,9 @@ public:
     [[nodiscard]] Factors factors(int section, int colour) const {
         const Real *const m = moments_.data() + at(section, colour);
         constexpr float APART = 2.0F / (GAUSS[1] - GAUSS[0]);
-        return {(GAUSS[1] * m[0] - m[1]) * APART, (m[1] - GAUSS[0] * m[0]) * APART};
+        // Of what is lit at one end alone it would be less than nothing at the other.
+        const Real back = clamp((m[1] - GAUSS[0] * m[0]) * APART, 0.0F, 2.0F * m[0]);
+        return {2.0F * m[0] - back, back};
     }
     [[nodiscard]] bool any(int section) const {
         Real sum = 0.0F;
@@ -182,10 +190,14 @@ protected:
         const LightMapView *const map = light_.maps + sample * bodies_ + static_cast<std::size_t>(way_.body);
         return map->empty() ? nullptr : map;
     }
-    // Sheets dim the light, too, and no tree knows them.
-    [[nodiscard]] bool sheets() const {
-        const LightMapView *const map = solids(0);
-        return map != nullptr && map->sheets.first != nullptr;
+    // Sheets dim the light, too, and no tree knows them: a sample's map that has some, if any has.
+    [[nodiscard]] const LightMapView *with_sheets() const {
+        for (std::size_t j = 0; j < light_.samples.size(); ++j) {
+            if (const LightMapView *const map = solids(j); map != nullptr && map->sheets.first != nullptr) {
+                return map;
+            }
+        }
+        return nullptr;
     }
     // Calls found(map, texels) for each map of what dims the light: so many of its texels a section may cross. A fog's
     // own columns change slowly but at its walls; and of several samples the errors differ.
@@ -243,7 +255,7 @@ protected:
         const std::size_t first = ends.size(), last = places.size() - 1;
         ends.resize(first + places.size() * numbers);
         const auto end = [&](std::size_t i) { return ends.begin() + static_cast<std::ptrdiff_t>(first + i * numbers); };
-        const bool turns = light_.samples.size() >= 16;
+        const bool turns = way_.of_world() && light_.samples.size() >= 16;
         const auto looked_up = [&](std::size_t i) {
             return !turns || i == 0 || i == last || (i + sample / every_) % 2 == 0;
         };

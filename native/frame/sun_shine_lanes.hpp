@@ -17,13 +17,21 @@ namespace {
 class SunShine : Shine {
 public:
     SunShine(const Way &way, const LightView &light) : Shine(way, light) {
-        const vec3 both = way.ray.direction - broadcast(light.direction),
-                   apart = way.ray.direction + broadcast(light.direction);
-        by_ = phases(0.25F * dot(apart, apart), 0.25F * dot(both, both));
+        Real all = 0.0F;
+        for (const glm::vec3 &sample : light.samples) {
+            const vec3 both = way.ray.direction + broadcast(sample), apart = way.ray.direction - broadcast(sample);
+            const Phases one = phases(0.25F * dot(apart, apart), 0.25F * dot(both, both));
+            const Real share = sample_share(light, sample, way.ray.origin);
+            by_.molecules = by_.molecules + share * one.molecules;
+            by_.dust = by_.dust + share * one.dust;
+            all = all + share;
+        }
+        by_.molecules = by_.molecules / all;
+        by_.dust = by_.dust / all;
     }
 
     void add() const {
-        if (sheets()) {
+        if (with_sheets() != nullptr) {
             add_by_look_ups();
             return;
         }
@@ -137,7 +145,10 @@ private:
     }
 
     [[nodiscard]] int sections(Real from, Real to) const {
-        int count = 1;
+        constexpr float THICK = 0.25F; // over which what a fog leaves of the light goes about straight
+        const glm::vec3 &e = way_.air.extinction;
+        const float thickest = way_.of_world() ? 0.0F : std::max({e.x, e.y, e.z});
+        int count = std::max(static_cast<int>(std::min(highest(max(to - from, 0.0F)) * thickest / THICK, MOST)), 1);
         for_dimming(
             [&](const LightMapView &map, float texels) { count = std::max(count, sections(map, from, to, texels)); });
         return count;
@@ -162,7 +173,7 @@ private:
             const Mask asked = step.from < step.to;
             const Real to = pick(asked, step.to, step.from);
             const auto place = [&](float x) { return step.from + (to - step.from) * x; };
-            in_sections(asked, std::max(sections(*solids(0), step.from, to, 2.0F), sections(step.from, to)), place,
+            in_sections(asked, std::max(sections(*with_sheets(), step.from, to, 2.0F), sections(step.from, to)), place,
                         [&](float x0, float x1, const Open &before, const Open &after) {
                             if (any(before, after)) {
                                 add_section(number, place(x0), place(x1),
@@ -191,7 +202,7 @@ private:
 
     [[nodiscard]] Way::Depth to_light(Real t) const { return way_.to_light(light_, -light_.direction, t); }
 
-    Phases by_{};
+    Phases by_{0.0F, 0.0F}; // the mean over the samples, by what each brings
 };
 
 } // namespace

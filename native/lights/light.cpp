@@ -116,9 +116,9 @@ double shadow_blur(const LightView &light, const Body &body) {
     return 0.5 * half_angle(light, ball, body.cell_size) * 0.5 * ball.radius;
 }
 
-std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Body> bodies, int most) {
+std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Body> bodies, int most, bool in_air) {
     // How far the shadow of one point of the smoke spreads over as much air as the smoke is wide, in cells.
-    double blur = 0.0;
+    double blur = in_air && bodies.empty() && light.radius > 0.0F ? 1e3 : 0.0;
     for (const Body &body : bodies) {
         const Ball ball = ball_of(body);
         blur = std::max(blur, 4.0 * half_angle(light, ball, body.cell_size) * ball.radius / body.cell_size);

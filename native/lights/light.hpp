@@ -45,7 +45,8 @@ LightView view_of(const Light &light, double cell);
 
 // Points at which a light stands for all of itself, no more of them than its penumbra behind the smoke asks for; of a
 // sun, directions towards it.
-std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Body> bodies, int most);
+// Where no body is, air still knows a light's size.
+std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Body> bodies, int most, bool in_air);
 
 // The standard deviation, in metres, of the bell that stands for the shadow of one point of the smoke in a light, over
 // as much air as half the smoke is wide.

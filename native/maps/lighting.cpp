@@ -80,7 +80,7 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, cons
     // The faces of a mesh that glows, or the parts of a fire, are one light: what each throws is blurred by the others.
     const int share = std::max(most_samples / std::max(static_cast<int>(many), 1), std::min(most_samples, 4));
     for (const LightView &view : views_) {
-        samples_.push_back(light_samples(view, bodies_, view.of_many() ? share : most_samples));
+        samples_.push_back(light_samples(view, bodies_, view.of_many() ? share : most_samples, air != nullptr));
     }
     for (std::size_t i = 0; i < views_.size(); ++i) {
         views_[i].samples = samples_[i];

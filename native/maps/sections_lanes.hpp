@@ -259,6 +259,7 @@ Real for_lit_sections(const Line &line, Real start, Real end, Mask asked, const 
         count = pick(rises, count * 2.0F, count);
         per_count = pick(rises, per_count * 0.5F, per_count);
         level = pick(rises, level + 1.0F, level);
+        column = min(column, line.last); // also where a lane is done, and looks no more
         const Real a = line.distance(column), b = line.distance(column + count);
         const Between z = line.depths(a, b);
         const ColumnNode node = heights.node(column, count, per_count, level);

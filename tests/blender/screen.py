@@ -86,6 +86,18 @@ def drawn(seen: list[Any], views: int = 1) -> Iterator[float | None]:
         yield None
 
 
+def settled(seen: list[Any]) -> Iterator[float | None]:
+    """Until what is drawn is the same as before: Material Preview compiles, and says so, for as long as it takes."""
+    deadline, before = time.monotonic() + 60.0, None
+    while time.monotonic() < deadline:
+        yield from drawn(seen)
+        now = seen[-1][0][..., :3]
+        if before is not None and (np.abs(now - before).max(axis=-1) > 0.02).mean() < 5e-4:
+            return
+        before = now
+        yield 0.2
+
+
 def refined() -> Iterator[float | None]:
     """Wait until no view has anything to refine any more."""
     deadline = time.monotonic() + 60.0

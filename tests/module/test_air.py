@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sfumato import Camera, Frame, Mesh, Scene, reference
+from sfumato import Camera, Frame, Mesh, Scene, Visibility, reference
 
 QUAD = Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]])
 SIZE = 12, 12
@@ -198,6 +198,102 @@ def test_smoke_shades_air_and_air_dims_smoke(lamp: str, eye: Any) -> None:
     camera = look(eye, (-0.5, 0.5, 0.3), far=10.0)
     found = picture(scene, camera, (8, 8), steps_per_cell=2.0)
     assert error(found, judged(scene, camera, 0.1, (8, 8), sun_samples_per_axis=1)) < 0.01
+
+
+@pytest.mark.parametrize("height", [10.0, 30.0, 100.0])
+def test_rays_that_end_nowhere_in_air_that_ends_with_height(height: float) -> None:
+    """Down into air that is as thick as can be, and up to where there is none."""
+    camera = look((0, 0, 2), (10, 0, 0.5), far=1000, half=0.4)
+    lit, glowing = Scene(), Scene()
+    lit.add_sun((0.3, 0.2, -1), (5, 4, 3))
+    lit.set_air(mie=(0.02,) * 3, scale_height=height)
+    glowing.set_air(absorption=(0.02,) * 3, emission=(0.01,) * 3, scale_height=height)
+    for scene in (lit, glowing):
+        assert error(picture(scene, camera, (8, 8)), judged(scene, camera, 0.1, (8, 8))) < 1e-5
+
+
+@pytest.mark.parametrize(("height", "most"), [(0.05, 0.1), (0.2, 0.01)])
+def test_a_lamp_over_a_thin_layer(height: float, most: float) -> None:
+    scene = Scene()
+    scene.add_point((0, 0, 0.5), (10, 8, 6))
+    scene.set_air(mie=(0.1,) * 3, anisotropy=0.5, ground=-0.5, scale_height=height)
+    camera = look((3, -2, 1.4), (0, 0, 0))
+    assert error(picture(scene, camera), judged(scene, camera, 0.01)) < most
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.05])
+def test_a_ray_right_through_a_lamp(radius: float) -> None:
+    through, beside = Scene(), Scene()
+    for scene, x in ((through, 0.0), (beside, 1e-6)):
+        scene.add_point((x, 0, 0), (1, 1, 1), radius=radius)
+        scene.set_air(mie=(0.1,) * 3, anisotropy=0.5)
+    camera = look((0, -3, 0), (0, 0, 0))
+    found, wanted = (picture(scene, camera, (15, 15))[7, 7, 0] for scene in (through, beside))
+    assert np.isfinite(found) and (radius == 0.0 or abs(found - wanted) < 1e-4 * wanted)
+
+
+@pytest.mark.parametrize(("radius", "cone", "most"), [(0.02, 0.4, 0.002), (0.1, 0.2, 0.01), (0.3, 0.4, 0.03)])
+def test_spots_with_a_size_shine_beyond_the_cone_of_their_middle(radius: float, cone: float, most: float) -> None:
+    scene = Scene()
+    scene.add_point((0, 0, 2.5), (30, 20, 10), radius=radius, direction=(0, 0, -1), cone=cone, blend=0.1)
+    scene.add_instances(QUAD, place((0, 0, -1), (8, 8, 1)), [[0, 0, 0]])
+    scene.set_air(mie=(0.1,) * 3, anisotropy=0.3)
+    camera = look((1.5, -2, 0.3), (0, 0, 0.3), far=6, half=0.3)
+    wanted = judged(scene, camera, 0.02, light_samples_per_axis=10)
+    assert error(picture(scene, camera, light_samples=64), wanted) < most
+
+
+def test_narrow_beams_are_met() -> None:
+    """A cone of 3 degrees that is measured along two axes is the round one; and so narrow a lamp with a grid before it."""
+    camera = look((1.5, -2, 0.8), (0, 0, 0.9), far=6)
+    pictures = []
+    each: tuple[dict[str, Any], ...] = ({}, {"across": ((1, 0, 0), (0, 1, 0))})
+    for axes in each:
+        scene = Scene()
+        scene.add_point((0, 0, 2), (30, 20, 10), direction=(0, 0, -1), cone=0.05, blend=0.3, **axes)
+        scene.set_air(mie=(0.1,) * 3, anisotropy=0.3)
+        pictures.append(picture(scene, camera, (24, 24)))
+    assert pictures[0].max() > 0.0 and error(pictures[1], pictures[0]) < 2e-3
+    scene = Scene()
+    scene.add_area((0, 0, 2.5), (0.03, 0, 0), (0, 0.03, 0), (1000,) * 3, spread=0.1)
+    scene.set_air(mie=(0.1,) * 3, anisotropy=0.3)
+    wanted = judged(scene, camera, 0.02, light_samples_per_axis=10)
+    assert error(picture(scene, camera, light_samples=64), wanted) < 0.04
+
+
+@pytest.mark.parametrize(("angle", "anisotropy", "most"), [(0.3, 0.5, 0.005), (0.3, 0.9, 0.05)])
+def test_air_tells_where_in_a_soft_sun_its_light_comes_from(angle: float, anisotropy: float, most: float) -> None:
+    scene = Scene()
+    scene.add_sun((1, 0, -0.1), (5, 4, 3), angle=angle)
+    scene.add_instances(QUAD, place((0, 0, -1)), [[0, 0, 0]])
+    scene.set_air(mie=(0.1,) * 3, anisotropy=anisotropy)
+    camera = look((3, 0, 0), (0, 0, 0.3), far=8)
+    wanted = judged(scene, camera, 0.05, (8, 8), light_samples_per_axis=8)
+    assert error(picture(scene, camera, (8, 8)), wanted) < most
+
+
+def test_a_sheet_that_some_points_of_a_lamp_see_edge_on() -> None:
+    """The first of its four does."""
+    means = []
+    for x in (-0.6, -0.59):
+        scene = Scene()
+        scene.add_area((0, 0, 2.5), (0.8, 0, 0), (0, 0.8, 0), (10, 10, 10))
+        sheet = place((x, 0, 0.7), (1.5, 1.5, 1), ((0, 1, 0), (0, 0, 1)))
+        unseen = Visibility("unseen")
+        scene.add_instances(QUAD, sheet, [[0, 0, 0]], transmittance=[[0.5, 0.5, 0.5]], visibility=unseen)
+        scene.add_instances(QUAD, place((0, 0, -1), (3, 3, 1)), [[0, 0, 0]])
+        scene.set_air(mie=(0.1,) * 3, anisotropy=0.3)
+        means.append(picture(scene, look((4, -3, 0.3), (0, 0, 0.4), far=9, half=0.35), light_samples=4)[..., :3].mean())
+    assert abs(means[0] / means[1] - 1.0) < 0.005
+
+
+def test_a_lamp_that_is_all_there_is_has_its_size_in_air() -> None:
+    scene = Scene()
+    scene.add_area((0, 0, 2.5), (0.3, 0, 0), (0, 0.3, 0), (10, 10, 10))
+    scene.set_air(mie=(0.1,) * 3, anisotropy=0.3)
+    camera = look((1.5, -2, 0.8), (0, 0, 0.9), far=6)
+    wanted = judged(scene, camera, 0.02, light_samples_per_axis=8)
+    assert error(picture(scene, camera, light_samples=64), wanted) < 0.02
 
 
 def test_a_sheet_stands_in_the_air() -> None:

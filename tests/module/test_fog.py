@@ -128,3 +128,14 @@ def test_what_is_behind_an_unseen_fog_is_in_its_shadow() -> None:
     found: NDArray[np.float64] = np.asarray(frame.render(down(half=0.5), *SIZE), np.float64)[..., 0]
     np.testing.assert_allclose(found, 0.5 / np.pi * np.exp(-1.0), rtol=2e-3)
     assert not frame.air
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.0093, 0.2])
+@pytest.mark.parametrize("density", [3.0, 30.0])
+def test_thick_fog_in_a_sun(density: float, angle: float) -> None:
+    """So thick that light does not go straight over as much of it as texels would allow."""
+    scene = Scene()
+    scene.add_sun((0.3, 0.2, -1), (5, 4, 3), angle=angle)
+    scene.add_fog(BOX, np.eye(4), mie=(density,) * 3)
+    camera = look((1, -4.5, 1.5), (0, 0, 0), far=8, half=0.3)
+    assert error(picture(scene, camera, (8, 8)), judged(scene, camera, 0.02, (8, 8))) < 0.04

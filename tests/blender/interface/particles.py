@@ -61,13 +61,13 @@ def test_overlays_show_them_and_leave_no_trace() -> Iterator[float | None]:
         _space, settings = puffs(shading)
         with screen.watched() as seen:
             settings.sfumato.shown = False
-            yield from screen.drawn(seen)
+            yield from screen.settled(seen)
             without = seen[-1][0]
             settings.sfumato.shown = True
-            yield from screen.drawn(seen)
+            yield from screen.settled(seen)
             with_puffs = seen[-1][0]
             settings.sfumato.shown = False
-            yield from screen.drawn(seen)
+            yield from screen.settled(seen)
         smoke = np.abs(with_puffs - without)[..., :3].max(axis=-1)
         print(f"  {shading}: {(smoke > 0.02).mean():.1%} of the view changes, {smoke.max():.2f} at most")
         assert 0.01 < (smoke > 0.02).mean() < 0.6

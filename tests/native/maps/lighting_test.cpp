@@ -432,7 +432,7 @@ TEST(Lighting, TakesNoMoreSamplesThanTheShadowOfTheSmokeAsksFor) {
     Scene scene = smoke();
     const Lit lit(scene, 1);
     const auto count = [&](const Light &light) {
-        return light_samples(view_of(light, 0.1), lit.lighting.bodies(), 16).size();
+        return light_samples(view_of(light, 0.1), lit.lighting.bodies(), 16, false).size();
     };
     const glm::vec3 white(1.0F), far(0.0F, 0.0F, 100.0F);
     EXPECT_EQ(count(sun_light({0, 0, -1}, white)), 1U);
@@ -455,7 +455,8 @@ TEST(Lighting, SpreadsSamplesEvenlyOverALight) {
         const double share = light.kind == Light::Kind::RECTANGLE ? 1.0 / 3.0 : 1.0 / 4.0;
         const double expected = share * (light.kind == Light::Kind::SPHERE ? 4.0 + 4.0 : 4.0 + 9.0);
         for (const int most : {2, 3, 16, 64}) {
-            const std::vector<glm::vec3> samples = light_samples(view_of(light, 0.1), lit.lighting.bodies(), most);
+            const std::vector<glm::vec3> samples =
+                light_samples(view_of(light, 0.1), lit.lighting.bodies(), most, false);
             ASSERT_EQ(samples.size(), std::size_t(most));
             glm::dvec3 mean(0.0);
             double variance = 0.0;
@@ -469,7 +470,7 @@ TEST(Lighting, SpreadsSamplesEvenlyOverALight) {
     }
     const auto middle = [&](const Light &light, int most) {
         glm::vec3 sum(0.0F);
-        for (const glm::vec3 &sample : light_samples(view_of(light, 0.1), lit.lighting.bodies(), most)) {
+        for (const glm::vec3 &sample : light_samples(view_of(light, 0.1), lit.lighting.bodies(), most, false)) {
             sum += sample / static_cast<float>(most);
         }
         return sum;
