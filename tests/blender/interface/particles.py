@@ -60,6 +60,7 @@ def test_overlays_show_them_and_leave_no_trace() -> Iterator[float | None]:
     for shading in ("SOLID", "MATERIAL"):
         _space, settings = puffs(shading)
         with screen.watched() as seen:
+            yield from screen.settled(seen)  # by then Material Preview has compiled what it shows
             settings.sfumato.shown = False
             yield from screen.settled(seen)
             without = seen[-1][0]
