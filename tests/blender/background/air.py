@@ -310,7 +310,7 @@ def test_it_is_animated_and_saved() -> None:
         bpy.context.scene.frame_set(frame)
         assert np.array_equal(pictures.render(SIZE), expected), frame
     # A file from before there was air.
-    bpy.ops.wm.open_mainfile(filepath=str(harness.SAMPLE))
+    bpy.ops.wm.open_mainfile(filepath=str(harness.ROOT / "blend_samples" / "gallery.blend"))
     assert not props.of_air(bpy.context.scene.world).shown
 
 
