@@ -244,7 +244,8 @@ private:
     [[nodiscard]] Beam beam() const {
         if (light_.spread_cotangent > 0.0F) {
             const float across = glm::length(light_.across), up = glm::length(light_.up);
-            return {light_.spread_cotangent / std::hypot(light_.spread_cotangent, 1.0F), std::hypot(across, up)};
+            return {light_.spread_cotangent / std::sqrt(light_.spread_cotangent * light_.spread_cotangent + 1.0F),
+                    std::sqrt(across * across + up * up)};
         }
         if (light_.cone_cosine <= 0.0F || !light_.oval) {
             return {light_.cone_cosine, light_.radius};
@@ -252,7 +253,8 @@ private:
         // By way of its shorter axis an oval is wider.
         const float shorter = std::min(glm::length(light_.across), glm::length(light_.up));
         const float tangent = std::sqrt(1.0F - light_.cone_cosine * light_.cone_cosine) / light_.cone_cosine;
-        return {1.0F / std::hypot(tangent / std::max(shorter, 1e-6F), 1.0F), light_.radius};
+        const float widest = tangent / std::max(shorter, 1e-6F);
+        return {1.0F / std::sqrt(widest * widest + 1.0F), light_.radius};
     }
 
     static constexpr float FEWEST = 12.0F; // sections of all pieces
