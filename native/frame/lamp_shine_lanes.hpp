@@ -31,8 +31,8 @@ public:
             return;
         }
         const std::vector<Piece> pieces = this->pieces(stretches);
-        if (with_sheets() != nullptr) {
-            add_by_look_ups(pieces);
+        if (const LightMapView *const map = with_sheets()) {
+            add_by_look_ups(pieces, *map);
             return;
         }
         Through through(pieces.back().cut.first + pieces.back().cut.count, colours());
@@ -182,10 +182,13 @@ private:
     // How many of these a part of a stretch crosses, between where air is as dense as it can be and where it is next to
     // none.
     [[nodiscard]] int scale_heights(const Stretch &stretch, const vec3 *points) const {
+        if (way_.air.even()) {
+            return 1;
+        }
         constexpr float DENSEST = -40.0F, THINNEST = 12.0F, MOST_HEIGHTS = 64.0F;
         const auto height = [&](const vec3 &place) { return clamp(height_of(way_.air, place), DENSEST, THINNEST); };
         const Real crossed = pick(stretch.asked, abs(height(points[2]) - height(points[0])), 0.0F);
-        return way_.air.even() ? 1 : static_cast<int>(std::ceil(std::min(highest(crossed), MOST_HEIGHTS)));
+        return static_cast<int>(std::ceil(std::min(highest(crossed), MOST_HEIGHTS)));
     }
     // Whether the light's own size bends the way it falls off.
     [[nodiscard]] bool meets_light(const Stretch &stretch) const {
@@ -268,12 +271,12 @@ private:
         return std::max(static_cast<int>(std::ceil(std::min(highest(pick(stretch.asked, count, 0.0F)), MOST))), 1);
     }
 
-    void add_by_look_ups(const std::vector<Piece> &pieces) const {
+    void add_by_look_ups(const std::vector<Piece> &pieces, const LightMapView &map) const {
         for (const Piece &piece : pieces) {
             const Stretch &stretch = *piece.stretch;
             const float width = piece.x1 - piece.x0;
             in_sections(
-                stretch.asked, std::max(piece.cut.count, sections(stretch, width, *with_sheets(), 2.0F)),
+                stretch.asked, std::max(piece.cut.count, sections(stretch, width, map, 2.0F)),
                 [&](float x) { return foot_ + stretch.place(piece.x0 + width * x); },
                 [&](float x0, float x1, const Open &before, const Open &after) {
                     if (any(before, after)) {

@@ -174,9 +174,7 @@ public:
             first_ = way.packet.turn;
             every_ = way.packet.turns;
         }
-        for (std::size_t m = 0; m < light_.samples.size() * bodies_; ++m) {
-            dimmed_ = dimmed_ || !(light_.maps[m].empty() || light_.maps[m].clear());
-        }
+        for_dimming([this](const LightMapView &, float) { dimmed_ = true; });
     }
 
 protected:

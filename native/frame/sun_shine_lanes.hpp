@@ -31,8 +31,8 @@ public:
     }
 
     void add() const {
-        if (with_sheets() != nullptr) {
-            add_by_look_ups();
+        if (const LightMapView *const map = with_sheets()) {
+            add_by_look_ups(*map);
             return;
         }
         std::vector<Piece> pieces = this->pieces();
@@ -167,13 +167,13 @@ private:
         return static_cast<int>(std::ceil(std::min(highest(pick(length > 0.0F, count, 0.0F)), MOST)));
     }
 
-    void add_by_look_ups() const {
+    void add_by_look_ups(const LightMapView &map) const {
         for (std::size_t number = 0; number < way_.steps.size(); ++number) {
             const Step &step = way_.steps[number];
             const Mask asked = step.from < step.to;
             const Real to = pick(asked, step.to, step.from);
             const auto place = [&](float x) { return step.from + (to - step.from) * x; };
-            in_sections(asked, std::max(sections(*with_sheets(), step.from, to, 2.0F), sections(step.from, to)), place,
+            in_sections(asked, std::max(sections(map, step.from, to, 2.0F), sections(step.from, to)), place,
                         [&](float x0, float x1, const Open &before, const Open &after) {
                             if (any(before, after)) {
                                 add_section(number, place(x0), place(x1),

@@ -19,9 +19,8 @@ import harness
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from bench_denoised_in_blender import linear_exr, print_rows  # noqa: E402
+from bench_denoised_in_blender import METHODS, linear_exr, print_rows  # noqa: E402
 
-WAYS = [f"{way}-{n}{end}" for way in ("cycles", "marching") for end in ("", "-denoised") for n in (1, 4, 16, 64)]
 PARTS = {7: 512, 8: 256}  # samples of the judge by their seed
 PERCENT = 50  # 320 x 200
 FRAMES = {"fog": 1, "shafts": 40}
@@ -53,7 +52,7 @@ def main() -> None:
         linear_exr()
         if name == "shafts":
             fill_the_room()
-        print_rows(f"{name}-blend", ["sfumato", *WAYS], PARTS, up_to_white, "of the picture up to white")
+        print_rows(f"{name}-blend", METHODS, PARTS, up_to_white, "of the picture up to white")
     bpy.ops.wm.read_factory_settings(use_empty=True)
 
 

@@ -92,9 +92,9 @@ def _hue_saturation(hue: Array, saturation: Array, value: Array, factor: Array, 
 
 
 # The colour of a black body of luminance 1, as Cycles' Blackbody node has it: kelvin, RGB. Measured in 3.4.1; 4.5.15,
-# 5.2.2 and 5.3.0 have the same. Linear in one over the temperature between these rows, the error is below .25 %. Below 800 K and
-# above 12000 K it stays as it is. What is negative is 0 here: Cycles' fire, other than that node, emits negative blue
-# below some 1900 K, and green below 950 K.
+# 5.2.2 and 5.3.0 have the same. Linear in one over the temperature between these rows, the error is below .25 %. Below
+# 800 K and above 12000 K it stays as it is. What is negative is 0 here: Cycles' fire, other than that node, emits
+# negative blue below some 1900 K, and green below 950 K.
 _BLACKBODY = np.array([
     (800, 5.4139, 0.0, 0.0), (840, 5.2355, 0.0, 0.0), (900, 4.984, 0.0, 0.0), (965, 4.7306, 0.0005, 0.0),
     (1050, 4.4272, 0.0909, 0.0), (1167, 4.0603, 0.1998, 0.0), (1300, 3.7027, 0.3055, 0.0), (1449, 3.3669, 0.4041, 0.0),
