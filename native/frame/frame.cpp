@@ -24,7 +24,7 @@ using RaysText = text::RaysText<float>;
 Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<Prepared> prepared,
              const InstructionSet &with)
     : instruction_set_(&with), prepared_(std::move(prepared)), clock_(std::make_unique<StageClock>()),
-      step_length_(1.0 / settings.steps_per_cell), background_(scene.background),
+      step_length_(1.0 / settings.steps_per_cell), background_(scene.background), backdrop_(scene.backdrop),
       background_alpha_(scene.background_alpha), origin_(scene.origin) {
     const std::lock_guard making(prepared_->making);
     content_ = prepared_->arena.execute([&] { return content_of({scene, settings, with, *prepared_}, *clock_); });
@@ -45,6 +45,7 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
         view.surfaces.sheets = {};
     }
     view.lights = content_.lighting.views();
+    view.smoke_lights = content_.lighting.of_smoke();
     view.media = out.media.views;
     view.seen_media = view.media.first(content_.seen_media);
     view.extinctions = content_.lighting.extinctions();
@@ -52,6 +53,7 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
     view.grey = content_.grey;
     view.sorted = view.surfaces.sheets.scene != nullptr;
     view.background = background_;
+    view.backdrop = backdrop_ ? view_of(*backdrop_) : SkyImageView{};
     view.background_alpha = background_alpha_;
     view.world_air = content_.world_air ? content_.air.data() : nullptr;
     if (wanted.has(Layer::SMOKE)) {

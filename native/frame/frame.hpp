@@ -105,6 +105,7 @@ private:
     std::unique_ptr<StageClock> clock_;
     double step_length_;
     glm::vec3 background_;
+    std::shared_ptr<const SkyImage> backdrop_;
     float background_alpha_;
     glm::dvec3 origin_;
     Content content_;

@@ -206,7 +206,7 @@ private:
         const std::size_t count = light_.samples.size(), step = count < 16 ? 1 : 5; // a part of them tells it, too
         for (std::size_t j = 0; j < count; j += step) {
             for (int i = 0; i < 3; ++i) {
-                sent[i] = sent[i] + sample_share(light_, light_.samples[j], points[i]);
+                sent[i] = sent[i] + sample_share(light_, j, points[i]);
             }
         }
         const Real bend = abs(sent[1] - 0.5F * (sent[0] + sent[2]));
@@ -334,7 +334,7 @@ private:
         Real all = 1e-20F;
         for (std::size_t j = first_; j < light_.samples.size(); j += every_) {
             const glm::vec3 &sample = light_.samples[j];
-            const Real share = sample_share(light_, sample, place);
+            const Real share = sample_share(light_, j, place);
             const vec3 way = place - broadcast(sample);
             const Real cosine = -dot(way, way_.ray.direction) * inversesqrt(max(dot(way, way), 1e-30F));
             const Phases by = phases(0.5F - 0.5F * cosine, 0.5F + 0.5F * cosine);

@@ -42,6 +42,8 @@ void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers
             if (overlay) {
                 layers.behind[c][lane] = smoke.through * (1.0F - view.shadow_strength * surface);
             }
+            layers.sky.dull.light[c][lane] *= smoke.through;
+            layers.sky.gloss.light[c][lane] *= smoke.through;
             left += surface * smoke.through;
             sent += smoke.smoke;
             through += smoke.through;

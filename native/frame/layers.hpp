@@ -34,6 +34,7 @@ struct FrameView {
     std::array<glm::vec3, 6> camera; // near0, near_u, near_v, far0, far_u, far_v
     SurfaceView surfaces;
     std::span<const LightView> lights;
+    std::size_t smoke_lights = 0; // the first of them: what is marched asks for no more
     std::span<const MediumView> media;
     std::span<const MediumView> seen_media; // by the camera: the first of them
     ParticlesView particles;
@@ -48,6 +49,7 @@ struct FrameView {
     const AirView *world_air = nullptr; // it, or null
     int air_body = -1;                  // of the world's air, among the bodies; or none
     glm::vec3 background{0.0F};
+    SkyImageView backdrop; // which it multiplies, or none
     float background_alpha = 0.0F;
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most
     Mist mist;                    // where that is asked for
@@ -138,6 +140,18 @@ struct PassLayers {
 };
 
 // What becomes of a packet. Each stage writes its own.
+// What of a sky surfaces send to the eye: neighbouring pixels look in different directions, and are put together.
+struct SkyLayers {
+    struct Part {
+        alignas(64) float light[3][MAX_LANES]; // were it hidden by no solid; past smoke in the end
+        alignas(64) float all[3][MAX_LANES];   // what a few directions bring, and
+        alignas(64) float seen[3][MAX_LANES];  // what solids leave of that
+        alignas(64) float open[MAX_LANES];     // the mean of the light's colours, without smoke
+    };
+    Part dull, gloss;
+    alignas(64) float normal[3][MAX_LANES]; // shading normal; anything where nothing is hit
+};
+
 struct Layers {
     // Surfaces: the first on each ray.
     alignas(64) float hit[MAX_LANES];        // 1, or 0 where there is none
@@ -147,6 +161,7 @@ struct Layers {
     alignas(64) float surface[3][MAX_LANES]; // the layer that is asked for
     alignas(64) float open[MAX_LANES]; // the mean of the colours of the radiance, were there no smoke; or of the share
     alignas(64) float unshadowed[MAX_LANES]; // radiance, or irradiance, were there no shadows at all
+    SkyLayers sky;
     // March, and merge: what lies before it.
     alignas(64) float smoke[3][MAX_LANES];
     alignas(64) float through[3][MAX_LANES];

@@ -123,8 +123,9 @@ struct Asked {
         return out;
     }
 
-    [[nodiscard]] int light_count() const { return static_cast<int>(frame->lights.size()); }
+    [[nodiscard]] int light_count() const { return static_cast<int>(frame->smoke_lights); }
     [[nodiscard]] bool is_parallel(int i) const { return light(i).parallel(); }
+    [[nodiscard]] Real light_concentration(int i) const { return light(i).concentration; }
     [[nodiscard]] vec3 light_direction(int i) const { return broadcast(light(i).direction); }
     [[nodiscard]] vec3 light_position(int i) const { return broadcast(light(i).position); }
     [[nodiscard]] Real light_size2(int i) const { return light(i).size2; }

@@ -97,9 +97,10 @@ void arriving_light(const FrameView &frame, const Puffs::Body &body, std::size_t
             share = share * LightsText().falloff(distance2, light.size2);
             travel = from_light * inversesqrt(distance2);
         }
-        share =
-            share * (body.anisotropy == 0.0F ? Real(0.0795774715F)
-                                             : MediaText().henyey_greenstein(-dot(travel, direction), body.anisotropy));
+        share = share * (body.anisotropy == 0.0F
+                             ? Real(0.0795774715F)
+                             : MediaText().henyey_greenstein_of_cap(-dot(travel, direction), Real(body.anisotropy),
+                                                                    Real(light.concentration)));
         for (int c = 0; c < 3; ++c) {
             const Real depth = arriving.optical_depth[COLOURS == 1 ? 0 : c];
             const Real left = past_smoke ? RaysText().transmittance_of(depth) : Real(1.0F);

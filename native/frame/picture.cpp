@@ -22,6 +22,23 @@ int film_turn(int x, int y) {
 
 // The first look: every pixel once, through its centre, and either through the middles of the lights or spread over
 // them.
+SkyPixel::Part sky_part(const SkyLayers::Part &layers, std::size_t lane) {
+    SkyPixel::Part out;
+    for (std::size_t c = 0; c < 3; ++c) {
+        out.light[c] = layers.light[c][lane];
+        out.all[c] = layers.all[c][lane];
+        out.seen[c] = layers.seen[c][lane];
+    }
+    out.open = layers.open[lane];
+    return out;
+}
+
+SkyPixel sky_pixel(const SkyLayers &layers, std::size_t lane) {
+    return {sky_part(layers.dull, lane),
+            sky_part(layers.gloss, lane),
+            {layers.normal[0][lane], layers.normal[1][lane], layers.normal[2][lane]}};
+}
+
 void trace_row(const Tracer &tracer, const Film &film, Image &image, int y) {
     const bool spread = film.edge_samples > 1;
     const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
@@ -46,7 +63,87 @@ void trace_row(const Tracer &tracer, const Film &film, Image &image, int y) {
                      if (!image.fine.empty()) {
                          image.fine[pixel] = layers.fine[lane];
                      }
+                     if (!image.sky.empty()) {
+                         image.sky[pixel] = sky_pixel(layers.sky, lane);
+                     }
                  });
+}
+
+// Of each colour of light the share that a few directions find open.
+std::array<float, 3> share_of(const SkyPixel::Part &part) {
+    std::array<float, 3> out{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        out[c] = part.all[c] > 0.0F ? part.seen[c] / part.all[c] : 1.0F;
+    }
+    return out;
+}
+
+void add(float weight, const SkyPixel::Part &from, SkyPixel::Part &to) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        to.all[c] += weight * from.all[c];
+        to.seen[c] += weight * from.seen[c];
+    }
+}
+
+// Neighbouring pixels look in different directions, TILE^2 of them in all: together those of one surface see as much as
+// many looks of each (Keller and Heidrich, "Interleaved sampling", 2001). A window that is a pixel wider, its rim half
+// as heavy, holds each of the turns as often as any other, and lies even around its pixel.
+SkyPixel looks_around(const Image &image, int x, int y) {
+    constexpr int REACH = TILE / 2;
+    constexpr float FACING = 0.9F, DEEPER = 0.05F;
+    const std::size_t own = image.at(x, y);
+    const SkyPixel &centre = image.sky[own];
+    SkyPixel sum;
+    for (int j = std::max(y - REACH, 0); j <= std::min(y + REACH, image.height - 1); ++j) {
+        for (int i = std::max(x - REACH, 0); i <= std::min(x + REACH, image.width - 1); ++i) {
+            const SkyPixel &other = image.sky[image.at(i, j)];
+            float facing = 0.0F;
+            for (std::size_t c = 0; c < 3; ++c) {
+                facing += centre.normal[c] * other.normal[c];
+            }
+            const float away = std::abs(image.distance[image.at(i, j)] - image.distance[own]);
+            if (other.lit() && facing > FACING && away < DEEPER * image.distance[own]) {
+                const float weight =
+                    (std::abs(i - x) == REACH ? 0.5F : 1.0F) * (std::abs(j - y) == REACH ? 0.5F : 1.0F);
+                add(weight, other.dull, sum.dull);
+                add(weight, other.gloss, sum.gloss);
+            }
+        }
+    }
+    return sum;
+}
+
+void put_looks_together(Image &image) {
+    struct Shares {
+        std::array<float, 3> dull, gloss;
+    };
+    std::vector<Shares> shares(image.sky.size());
+    oneapi::tbb::parallel_for(0, image.height, [&](int y) {
+        for (int x = 0; x < image.width; ++x) {
+            if (image.sky[image.at(x, y)].lit()) {
+                const SkyPixel around = looks_around(image, x, y);
+                shares[image.at(x, y)] = {share_of(around.dull), share_of(around.gloss)};
+            }
+        }
+    });
+    oneapi::tbb::parallel_for(std::size_t{0}, image.sky.size(), [&](std::size_t pixel) {
+        const SkyPixel &sky = image.sky[pixel];
+        if (sky.lit()) {
+            const auto put = [&](const SkyPixel::Part &part, const std::array<float, 3> &wanted) {
+                const std::array<float, 3> found = share_of(part);
+                float hidden = 0.0F, all = 1e-30F;
+                for (std::size_t c = 0; c < 3; ++c) {
+                    image.rgba[4 * pixel + c] += (wanted[c] - found[c]) * part.light[c];
+                    hidden += (1.0F - found[c]) * part.light[c];
+                    all += part.light[c];
+                }
+                // What hides a sky has no edges to look for.
+                image.surfaces[pixel] += hidden / all * part.open;
+            };
+            put(sky.dull, shares[pixel].dull);
+            put(sky.gloss, shares[pixel].gloss);
+        }
+    });
 }
 
 // What of a pixel one sample cannot tell.
@@ -287,10 +384,19 @@ std::optional<Image> traced(const Tracer &tracer, int width, int height, const F
     if (tracer.wanted.has(Layer::RADIANCE) && !tracer.view.strands.empty()) {
         image.fine.resize(image.distance.size());
     }
+    if (tracer.wanted.has(Layer::RADIANCE) && std::any_of(tracer.view.lights.begin(), tracer.view.lights.end(),
+                                                          [](const LightView &light) { return light.surrounds(); })) {
+        image.sky.resize(image.distance.size());
+    }
     image.shafts = tracer.wanted.has(Layer::RADIANCE) && !tracer.view.air.empty();
     const bool closer = film.edge_samples > 1;
-    if (!in_chunks(image, 0.0, closer ? 0.5 : 1.0, progress, [&](int y) { trace_row(tracer, film, image, y); }) ||
-        (closer && !refine(tracer, film, progress, image))) {
+    if (!in_chunks(image, 0.0, closer ? 0.5 : 1.0, progress, [&](int y) { trace_row(tracer, film, image, y); })) {
+        return std::nullopt;
+    }
+    if (!image.sky.empty() && closer) {
+        put_looks_together(image);
+    }
+    if (closer && !refine(tracer, film, progress, image)) {
         return std::nullopt;
     }
     return image;

@@ -18,6 +18,19 @@ namespace sfumato {
 // Called between parts of the work with the share that is done; false stops it.
 using Progress = std::function<bool(double)>;
 
+// What a pixel's surface has of a sky. One look asks in a few directions, which is as coarse as it is cheap.
+struct SkyPixel {
+    struct Part {
+        std::array<float, 3> light{};       // were it hidden by no solid, past smoke
+        std::array<float, 3> all{}, seen{}; // what the directions bring, and what solids leave of that
+        float open = 0.0F;                  // the mean of the light's colours, without smoke
+    };
+    Part dull, gloss;
+    std::array<float, 3> normal{};
+
+    [[nodiscard]] bool lit() const { return dull.open + gloss.open > 0.0F; }
+};
+
 struct Image {
     LayerSet wanted;
     int width, height;
@@ -27,6 +40,7 @@ struct Image {
     std::vector<float> seen;
     std::vector<float> distance;   // at the pixel's centre
     std::vector<float> fine;       // none where nothing may be finer than pixels
+    std::vector<SkyPixel> sky;     // none where no sky gives light
     bool shafts = false;           // whether air is lit and shaded before surfaces
     std::vector<PassImage> passes; // those of `wanted`
 

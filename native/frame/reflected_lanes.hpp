@@ -5,6 +5,7 @@
 #include "frame/layers.hpp"
 #include "lights/lights_lanes.hpp"
 #include "lights/shading.hpp"
+#include "lights/sky_lanes.hpp"
 #include "maps/sampling.hpp"
 #include "media/air_lanes.hpp"
 #include "solids/all_hits_lanes.hpp"
@@ -47,14 +48,15 @@ inline Real visibility(const RayScene &solids, const vec3 &point, const Towards 
 
 // What hair lets through from a light to a point, and of that what smoke and particles do: the mean over the light's
 // samples, by what each brings.
-inline void media_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, Real past_hair[3],
-                                Real past_smoke[3]) {
+inline void media_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, const vec3 &normal,
+                                Real past_hair[3], Real past_smoke[3]) {
     const int colours = frame.grey ? 1 : 3;
     const std::size_t bodies = frame.extinctions.size();
     constexpr float NOTHING = 1e-12F; // what none of them shines at has a plain mean
     Real sum[3] = {0.0F, 0.0F, 0.0F}, hair[3] = {0.0F, 0.0F, 0.0F}, all = 0.0F;
     for (std::size_t j = 0; j < light.samples.size(); ++j) {
-        const Real share = sample_share(light, light.samples[j], point) + NOTHING;
+        const Real facing = light.surrounds() ? max(dot(normal, broadcast(light.samples[j])), 0.0F) : Real(1.0F);
+        const Real share = sample_share(light, j, point) * facing + NOTHING;
         all = all + share;
         Real smoke[3] = {0.0F, 0.0F, 0.0F}, strands[3] = {0.0F, 0.0F, 0.0F};
         for (std::size_t m = 0; m < bodies; ++m) {
@@ -82,16 +84,30 @@ inline void media_transmittance(const FrameView &frame, const LightView &light, 
     }
 }
 
+// Of a sky's light, one part of what a surface sends to the eye: all of it, were none hidden by solids, past smoke;
+// and, by a few directions, what comes from these and what solids leave of that.
+template <typename Number, typename Colour>
+struct FromSky {
+    Number light[3];
+    Colour all, seen;
+    Number open; // the mean of the light's colours, without smoke
+};
+
 // The light that a packet's surfaces send to the eye, with the shadow of the smoke and without.
 struct Reflected {
     Real shadowed[3], open[3];
     Real unshadowed; // without shadows of solids either, the mean of the colours; of shadows, the irradiance
     Real lit[3];     // the same of each colour, without what glows
     Real alone[3];   // where a catcher is met: in the shadows of catchers alone
+    FromSky<Real, vec3> dull, gloss; // of that light what a sky sends, by what becomes of it
 };
 
 inline Real component(const vec3 &v, int axis) {
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+inline vec3 multiplied(const vec3 &a, const vec3 &b) {
+    return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 
 inline void store(const vec3 &v, float (&to)[3][MAX_LANES]) {
@@ -201,6 +217,12 @@ inline vec3 beside(const Surface &surface, const vec3 &start, const Ray &other) 
 // and of that, what sheets leave, where there are any.
 struct PastSolids {
     Passing diffuse, gloss[MAX_LOBES];
+    // Of a sky what its directions bring, and what solids leave of that.
+    struct Looked {
+        vec3 all, seen;
+        Real looks; // how many, by their weights
+    };
+    Looked dull_looks, gloss_looks[MAX_LOBES];
 };
 
 // What one sample of a light is worth to a surface, or one of its layers of gloss, and whether it is visible.
@@ -251,6 +273,121 @@ inline Sampled sampled(const Between &between, const Surface &surface, const Lob
     return out;
 }
 
+inline vec3 mirror_of(const Surface &surface, const vec3 &to_eye) {
+    return surface.normal * (2.0F * dot(surface.normal, to_eye)) - to_eye;
+}
+
+inline Real alpha_of(const Lobe &lobe) {
+    return sqrt(lobe.alpha_x * lobe.alpha_y);
+}
+
+// What of a sky's colours a surface sends back, where `strength` is that of all of it: 1 where it is the same all
+// around.
+struct OfSky {
+    vec3 diffuse, gloss[MAX_LOBES];
+};
+
+inline OfSky of_sky(const Sky &sky, const Surface &surface, int lobes, const vec3 &to_eye) {
+    const glm::vec3 &mean = sky.mean();
+    const vec3 by = broadcast(1.0F / glm::max(mean, glm::vec3(1e-30F)));
+    OfSky out;
+    out.diffuse = radiance_in(sky.dull(), surface.normal) * by;
+    const vec3 mirrored = mirror_of(surface, to_eye);
+    for (int k = 0; k < lobes; ++k) {
+        const Real alpha = alpha_of(surface.lobe[k]);
+        // Rough gloss sends most from nearer to the normal (Lagarde and de Rousiers, "Moving Frostbite to physically
+        // based rendering", 2014).
+        const Real straight = (1.0F - alpha) * (sqrt(max(1.0F - alpha, 0.0F)) + alpha);
+        const vec3 middle = surface.normal + (mirrored - surface.normal) * straight;
+        const Real octave = xsimd::log2(max(alpha, 1e-6F) * (1.0F / FIRST_ALPHA));
+        const Real level = clamp(pick(alpha < FIRST_ALPHA, alpha * (1.0F / FIRST_ALPHA), octave + 1.0F), 0.0F,
+                                 static_cast<float>(GLOSS_LEVELS - 1));
+        out.gloss[k] = {0.0F, 0.0F, 0.0F};
+        for (int i = 0; i < GLOSS_LEVELS; ++i) {
+            const Real share = max(1.0F - abs(level - static_cast<float>(i)), 0.0F);
+            if (xsimd::any(surface.hit & (share > 0.0F))) {
+                out.gloss[k] = out.gloss[k] + radiance_in(sky.gloss(i), middle) * share;
+            }
+        }
+        out.gloss[k] = out.gloss[k] * by;
+    }
+    return out;
+}
+
+// Of a sky a few directions, by what they bring to what faces as the surface does, and to what it mirrors: of each look
+// another share of them, and neighbouring pixels look elsewhere (picture.cpp puts them together).
+inline PastSolids sky_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface, int lobes,
+                                  const Between &between, const LightView &light, const vec3 &start,
+                                  ShadingPacket &shading) {
+    constexpr float GOLDEN = 0.618033989F;
+    PastSolids sum{};
+    const vec3 nothing{0.0F, 0.0F, 0.0F}, to_eye = -load(shading.direction);
+    sum.dull_looks = {nothing, nothing, 1e-20F};
+    Real all_gloss[MAX_LOBES];
+    for (int k = 0; k < lobes; ++k) {
+        sum.gloss_looks[k] = {nothing, nothing, 1e-20F};
+        all_gloss[k] = 1e-20F;
+    }
+    Real all = 1e-20F;
+    const Plane plane = plane_across(surface.normal);
+    const auto look = [&](Real weight, const vec3 &towards, const vec3 &from, Real &worths, Passing &passed,
+                          PastSolids::Looked &looked) {
+        const vec3 radiance =
+            (light.sky == nullptr ? vec3(1.0F, 1.0F, 1.0F) : nearest_in(light.sky->looks(), towards)) * weight;
+        const Real worth = (radiance.x + radiance.y + radiance.z) * (1.0F / 3.0F);
+        const Passing past = passing(between, surface, from, {towards, 1e30F, 1.0F}, surface.hit & (worth > 0.0F));
+        worths = worths + worth;
+        add_passing(between, worth, past, passed);
+        looked.looks = looked.looks + weight;
+        looked.all = looked.all + radiance;
+        looked.seen = looked.seen + radiance * past.visible;
+    };
+    const auto add = [&](const vec3 &from, Real u, Real v, std::size_t count) {
+        // The sixteen looks of neighbouring pixels are one lattice of as many times `count` points.
+        const Real turn = 0.25F * (floor(4.0F * u) + v);
+        for (std::size_t i = 0; i < count; ++i) {
+            // Evenly over a disk: as many as their cosines over the half sphere above it (Malley's method).
+            const Real number = turn + static_cast<float>(i);
+            const Real x = number * (1.0F / static_cast<float>(count)), y = number * (16.0F * GOLDEN);
+            const LightsText::DiskPoint disk =
+                LightsText().point_on_disk(2.0F * x - 1.0F, 2.0F * (y - floor(y)) - 1.0F);
+            const Real height = sqrt(max(1.0F - disk.x * disk.x - disk.y * disk.y, 1e-6F));
+            // Turned, so that the edges of what is upright or level lie across the lattice's rows.
+            const Real x1 = 0.8F * disk.x - 0.6F * disk.y, y1 = 0.6F * disk.x + 0.8F * disk.y;
+            const vec3 towards = plane.x * x1 + plane.y * y1 + surface.normal * height;
+            look(1.0F, towards, from, all, sum.diffuse, sum.dull_looks);
+            // Gloss is asked half as often: by half vectors of GGX's distribution.
+            for (int k = 0; k < lobes && i % 2 == 0; ++k) {
+                const Real alpha = alpha_of(surface.lobe[k]);
+                const Real share = min(disk.x * disk.x + disk.y * disk.y, 0.999F);
+                const Real tangent2 = alpha * alpha * share / (1.0F - share);
+                const Real cosine = inversesqrt(1.0F + tangent2), sine = sqrt(tangent2) * cosine;
+                const Real turned = sine * inversesqrt(max(share, 1e-12F));
+                const vec3 half = plane.x * (x1 * turned) + plane.y * (y1 * turned) + surface.normal * cosine;
+                const Real facing = dot(to_eye, half);
+                const vec3 mirrored = half * (2.0F * facing) - to_eye;
+                const Mask above = (facing > 0.0F) & (dot(mirrored, surface.normal) > 0.0F);
+                look(pick(above, facing / cosine, 0.0F), mirrored, from, all_gloss[k], sum.gloss[k],
+                     sum.gloss_looks[k]);
+            }
+        }
+    };
+    const std::size_t looks = std::max<std::size_t>(light.samples.size() / 4, 1);
+    for (const ShadowSample &sample : packet.shadows) {
+        const Real u = Real::load_aligned(sample.u), v = Real::load_aligned(sample.v);
+        add(beside(surface, start, ray_through(frame, u, v)), Real::load_aligned(sample.light_u),
+            Real::load_aligned(sample.light_v), looks);
+    }
+    if (packet.shadows.empty()) {
+        add(start, Real::load_aligned(packet.light_u), Real::load_aligned(packet.light_v), looks);
+    }
+    divide(between, all, sum.diffuse);
+    for (int k = 0; k < lobes; ++k) {
+        divide(between, all_gloss[k], sum.gloss[k]);
+    }
+    return sum;
+}
+
 // Of the sample that the ray stands for; or a mean over the packet's shadow samples, each by what the surface would
 // make of it: with that the closed forms count as a control (Heitz, Hill and McGuire, "Combining analytic direct
 // illumination and stochastic shadows", 2018), and of what hides a part of a light a mirror knows only the part that it
@@ -258,6 +395,9 @@ inline Sampled sampled(const Between &between, const Surface &surface, const Lob
 inline PastSolids light_past_solids(const FrameView &frame, const Packet &packet, const Surface &surface, int lobes,
                                     const Between &between, const LightView &light, const vec3 &start,
                                     ShadingPacket &shading) {
+    if (light.surrounds()) {
+        return sky_past_solids(frame, packet, surface, lobes, between, light, start, shading);
+    }
     PastSolids sum{};
     Real all = 0.0F, all_gloss[MAX_LOBES]{};
     const auto add = [&](const vec3 &from, Real u, Real v) {
@@ -308,7 +448,9 @@ inline vec3 over_lamberts(const Surface &surface, const LightView &light, const 
     if (!any_spreads(surface, Spreading::BURLEY)) {
         return out;
     }
-    const vec3 middle = light.parallel() ? broadcast(-light.direction) : normalised(broadcast(light.position) - point);
+    const vec3 middle = light.surrounds()  ? surface.normal
+                        : light.parallel() ? broadcast(-light.direction)
+                                           : normalised(broadcast(light.position) - point);
     const Real rim = SurfacesText().diffuse_rim(dot(surface.normal, middle), dot(surface.normal, to_eye),
                                                 dot(to_eye, middle), surface.roughness);
     const Mask burley = surface.spreading == static_cast<float>(Spreading::BURLEY);
@@ -350,9 +492,23 @@ inline Mask reached_by(const SurfaceView &surfaces, const LightView &light, cons
                           : where(surface, [&](const Visibility &v) { return (v.lit_by & light.reach.lights) != 0; });
 }
 
+inline Real seen_share(const PastSolids::Looked &looked, int colour) {
+    const Real all = component(looked.all, colour);
+    return pick(all > 0.0F, component(looked.seen, colour) / max(all, 1e-30F), 1.0F);
+}
+
+// The alpha from which neighbouring pixels' gloss of a sky is taken together.
+constexpr float MIRROR = 0.08F;
+
+inline Reflected no_light() {
+    const vec3 nothing{0.0F, 0.0F, 0.0F};
+    const FromSky<Real, vec3> none{{0.0F, 0.0F, 0.0F}, nothing, nothing, 0.0F};
+    return {{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, none, none};
+}
+
 inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
                            const Surface &surface) {
-    Reflected out{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    Reflected out = no_light();
     const bool radiance = wanted.has(Layer::RADIANCE);
     const bool catches = radiance && !frame.surfaces.plain && xsimd::any(catchers(surface));
     if (radiance) {
@@ -405,6 +561,10 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
         for (int k = 0; k < mirrors; ++k) {
             gloss[k].visible = pick(lit, past.gloss[k].visible, 0.0F);
         }
+        if (light.surrounds()) {
+            out.dull.all = past.dull_looks.all;
+            out.dull.seen = past.dull_looks.seen;
+        }
         PastSolids alone{};
         if (catches && light.reach.plate) {
             const Between catchers{&frame.surfaces, frame.surfaces.catchers, {}};
@@ -412,22 +572,51 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
         }
         const bool tinted = between.tinted();
         Real past_hair[3], through[3];
-        media_transmittance(frame, light, point, past_hair, through);
+        media_transmittance(frame, light, point, surface.normal, past_hair, through);
         const auto left = [&](Real seen, const Passing &passed, int colour) {
             const Real arrives = seen * past_hair[colour];
             return tinted ? arrives * component(passed.tint, colour) : arrives;
         };
-        const vec3 spread = radiance ? over_lamberts(surface, light, start, -ray.direction) : vec3(0.0F, 0.0F, 0.0F);
+        vec3 spread = radiance ? over_lamberts(surface, light, start, -ray.direction) : vec3(0.0F, 0.0F, 0.0F);
+        OfSky coloured;
+        if (light.sky != nullptr) {
+            coloured = of_sky(*light.sky, surface, mirrors, -ray.direction);
+            spread = spread * coloured.diffuse;
+        }
         for (int c = 0; c < 3; ++c) {
             if (radiance) {
                 const Real dull = component(surface.albedo, c) * diffuse * component(spread, c) * light.strength[c];
                 Real sent = dull * left(visible, past.diffuse, c), all = dull;
+                if (light.surrounds()) {
+                    const Real whole = left(1.0F, past.diffuse, c) * dull;
+                    sent = whole * pick(lit, seen_share(past.dull_looks, c), 0.0F);
+                    out.dull.light[c] = whole * through[c];
+                    out.dull.open = out.dull.open + whole * (1.0F / 3.0F);
+                }
                 Real kept = dull * alone.diffuse.visible;
                 for (int k = 0; k < mirrors; ++k) {
-                    const Real shine =
-                        pick(reached, reflected_by(surface.lobe[k], gloss[k], c), 0.0F) * light.strength[c];
-                    sent = sent + shine * left(gloss[k].visible, past.gloss[k], c);
+                    Real shine = pick(reached, reflected_by(surface.lobe[k], gloss[k], c), 0.0F) * light.strength[c];
+                    if (light.sky != nullptr) {
+                        shine = shine * component(coloured.gloss[k], c);
+                    }
                     all = all + shine;
+                    if (light.surrounds()) {
+                        const Real whole = shine * left(1.0F, past.gloss[k], c);
+                        const PastSolids::Looked &looked = past.gloss_looks[k];
+                        sent = sent + whole * seen_share(looked, c);
+                        // What is nearly a mirror is as sharp as what it shows.
+                        const Mask blurred = lit & (alpha_of(surface.lobe[k]) > MIRROR);
+                        out.gloss.light[c] = out.gloss.light[c] + pick(blurred, whole * through[c], 0.0F);
+                        const Real mean = light.sky == nullptr
+                                              ? Real(1.0F)
+                                              : max(component(coloured.gloss[k], c) * light.sky->mean()[c], 1e-30F);
+                        const Real each = pick(blurred, whole / (mean * looked.looks), 0.0F);
+                        out.gloss.all[c] = out.gloss.all[c] + each * component(looked.all, c);
+                        out.gloss.seen[c] = out.gloss.seen[c] + each * component(looked.seen, c);
+                        out.gloss.open = out.gloss.open + pick(blurred, whole * (1.0F / 3.0F), 0.0F);
+                    } else {
+                        sent = sent + shine * left(gloss[k].visible, past.gloss[k], c);
+                    }
                     kept = kept + shine * alone.gloss[k].visible;
                 }
                 out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
@@ -440,7 +629,8 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
                 continue;
             }
             // The share of light that is missing, of all that would be there if the surface faced every light.
-            const Real all = diffuse * (3.14159265F * light.strength[c]);
+            const Real all = diffuse * (3.14159265F * light.strength[c]) *
+                             (light.sky == nullptr ? Real(1.0F) : component(coloured.diffuse, c));
             out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
             const Real solid = all * left(visible, past.diffuse, c);
             out.shadowed[c] = out.shadowed[c] + ((wanted.has(Layer::ALL_SHADOWS) ? all : solid) - solid * through[c]);

@@ -243,7 +243,7 @@ protected:
         const auto others = static_cast<float>(every_); // for which it stands, too
         if (!dims) {
             for (const Real &t : places) {
-                ends.insert(ends.end(), numbers, others * sample_share(light_, light_.samples[sample], way_.place(t)));
+                ends.insert(ends.end(), numbers, others * sample_share(light_, sample, way_.place(t)));
             }
             return;
         }
@@ -319,8 +319,10 @@ protected:
     };
     [[nodiscard]] Phases phases(Real half_sine2, Real half_cosine2) const {
         const AirView &air = way_.air;
-        const Real g = air.anisotropy;
-        return {AirText().rayleigh(half_cosine2 - half_sine2),
+        // Of what comes from all sides alike it sends as much everywhere; the samples of a part have their directions.
+        const bool even = light_.surrounds() && light_.octant < 0;
+        const Real g = even ? 0.0F : air.anisotropy;
+        return {even ? Real(0.0795774715F) : AirText().rayleigh(half_cosine2 - half_sine2),
                 air.cornette_shanks ? AirText().cornette_shanks(half_sine2, half_cosine2, g)
                                     : AirText().henyey_greenstein(half_sine2, half_cosine2, g)};
     }

@@ -153,8 +153,9 @@ constexpr std::array PARTS = {
               [](const Making &making, Content &content) {
                   const FrameSettings &settings = making.settings;
                   const int samples = settings.shared_ranges ? 1 : settings.light_samples;
-                  content.lighting = Lighting(making.scene.lights, bodies_of(making, content), *content.surfaces,
-                                              samples, content.world_air ? content.air.data() : nullptr);
+                  content.lighting =
+                      Lighting(making.scene.lights, bodies_of(making, content), *content.surfaces, samples,
+                               making.prepared.lights, content.world_air ? content.air.data() : nullptr);
               }},
     PartStage{"light maps", lights_meet_bodies,
               [](const Making &making, Content &content) {

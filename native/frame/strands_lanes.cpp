@@ -193,8 +193,8 @@ vec3 lit(const FrameView &frame, const Shaded &shaded, const StrandsText::Strand
         for (std::size_t j = 0; j < light.samples.size(); ++j) {
             const vec3 sample = broadcast(light.samples[j]);
             const vec3 towards = normalised(light.parallel() ? sample : sample - shaded.point);
-            const Real irradiance = falloff_of(light, shaded.point - broadcast(light.position)) *
-                                    sample_share(light, light.samples[j], shaded.point);
+            const Real irradiance =
+                falloff_of(light, shaded.point - broadcast(light.position)) * sample_share(light, j, shaded.point);
             Real depth[3] = {0.0F, 0.0F, 0.0F};
             for (std::size_t m = 0; m < bodies; ++m) {
                 const LightMapView &map = light.maps[j * bodies + m];

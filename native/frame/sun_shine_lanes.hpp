@@ -18,10 +18,11 @@ class SunShine : Shine {
 public:
     SunShine(const Way &way, const LightView &light) : Shine(way, light) {
         Real all = 0.0F;
-        for (const glm::vec3 &sample : light.samples) {
+        for (std::size_t j = 0; j < light.samples.size(); ++j) {
+            const glm::vec3 &sample = light.samples[j];
             const vec3 both = way.ray.direction + broadcast(sample), apart = way.ray.direction - broadcast(sample);
             const Phases one = phases(0.25F * dot(apart, apart), 0.25F * dot(both, both));
-            const Real share = sample_share(light, sample, way.ray.origin);
+            const Real share = sample_share(light, j, way.ray.origin);
             by_.molecules = by_.molecules + share * one.molecules;
             by_.dust = by_.dust + share * one.dust;
             all = all + share;
@@ -48,7 +49,7 @@ public:
         }
         const Real first = pieces.front().from, last = pieces.back().to;
         for (std::size_t j = first_; j < light_.samples.size(); j += every_) {
-            const Real weight = static_cast<float>(every_) * sample_share(light_, light_.samples[j], way_.ray.origin);
+            const Real weight = static_cast<float>(every_) * sample_share(light_, j, way_.ray.origin);
             ends.clear();
             std::span<const Real> left = places;
             for (const Piece &piece : pieces) {

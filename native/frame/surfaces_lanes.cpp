@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stage of the surfaces: the first on each ray of a packet, and the light on it past solids and smoke.
 #include "frame/reflected_lanes.hpp"
+#include "lights/sky_lanes.hpp"
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
@@ -51,13 +53,16 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
         first_surface(frame.surfaces, radiance ? frame.surfaces.seen : frame.surfaces.all, ray, active);
     surface.distance.store_aligned(out.distance);
     pick(surface.hit, 1.0F, 0.0F).store_aligned(out.hit);
+    const vec3 behind = frame.backdrop.rgb == nullptr
+                            ? broadcast(frame.background)
+                            : multiplied(radiance_in(frame.backdrop, ray.direction), broadcast(frame.background));
     Real shadowed[3], open[3]; // with the shadow of the smoke and without
     for (int i = 0; i < 3; ++i) {
-        shadowed[i] = open[i] = radiance ? frame.background[i] : 0.0F;
+        shadowed[i] = open[i] = radiance ? component(behind, i) : Real(0.0F);
     }
     Real unshadowed = (open[0] + open[1] + open[2]) * (1.0F / 3.0F);
     Real cover = pick(surface.hit, 1.0F, frame.background_alpha), caught = 0.0F, caught_open = 0.0F;
-    Reflected light{{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}};
+    Reflected light = no_light();
     Reflected own = light;
     if (xsimd::any(surface.hit)) {
         own = light = reflected(frame, wanted, packet, ray, surface);
@@ -75,8 +80,8 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
                 const Real left = share(light.shadowed[i]), left_open = share(light.open[i]);
                 caught = caught + pick(catching, (1.0F - left) * (1.0F / 3.0F), 0.0F);
                 caught_open = caught_open + pick(catching, (1.0F - left_open) * (1.0F / 3.0F), 0.0F);
-                light.shadowed[i] = pick(held, 0.0F, pick(catching, left * frame.background[i], light.shadowed[i]));
-                light.open[i] = pick(held, 0.0F, pick(catching, left_open * frame.background[i], light.open[i]));
+                light.shadowed[i] = pick(held, 0.0F, pick(catching, left * component(behind, i), light.shadowed[i]));
+                light.open[i] = pick(held, 0.0F, pick(catching, left_open * component(behind, i), light.open[i]));
             }
             cover = pick(catching, frame.background_alpha + (1.0F - frame.background_alpha) * caught, cover);
         }
@@ -91,6 +96,16 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
     cover.store_aligned(out.cover);
     caught.store_aligned(out.caught);
     unshadowed.store_aligned(out.unshadowed);
+    const Mask of_sky = surface.hit & (cover >= 1.0F) & (caught <= 0.0F);
+    for (const auto &[from, to] : {std::pair(&light.dull, &out.sky.dull), std::pair(&light.gloss, &out.sky.gloss)}) {
+        store(from->all, to->all);
+        store(from->seen, to->seen);
+        pick(of_sky, from->open, 0.0F).store_aligned(to->open);
+        for (int i = 0; i < 3; ++i) {
+            pick(of_sky, from->light[i], 0.0F).store_aligned(to->light[i]);
+        }
+    }
+    store(surface.normal, out.sky.normal);
     for (int i = 0; i < 3; ++i) {
         shadowed[i].store_aligned(out.surface[i]);
     }

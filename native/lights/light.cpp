@@ -29,6 +29,19 @@ glm::dvec2 on_square(int i, int count) {
     return 2.0 * glm::dvec2(from_middle / count, turn - std::floor(turn) - 0.5);
 }
 
+// One of `count` directions that share the sphere evenly (Fibonacci's lattice).
+glm::dvec3 on_sphere(int i, int count) {
+    const double height = 1.0 - (2.0 * i + 1.0) / count, angle = 2.0 * std::numbers::pi * std::numbers::phi * i;
+    const double across = std::sqrt(1.0 - height * height);
+    return {across * std::cos(angle), across * std::sin(angle), height};
+}
+
+// Of the eighths of the sphere between the planes of the world's axes: the horizon, which parts most skies, is one.
+constexpr int OCTANTS = 8;
+int octant_of(const glm::dvec3 &towards) {
+    return (towards.x < 0.0 ? 1 : 0) + (towards.y < 0.0 ? 2 : 0) + (towards.z < 0.0 ? 4 : 0);
+}
+
 // The unit vector on the side of `axis`, another, whose part across it is given.
 glm::dvec3 on_dome(const glm::dvec3 &axis, const glm::dvec3 &across) {
     return across + axis * std::sqrt(std::max(1.0 - glm::dot(across, across), 0.0));
@@ -44,7 +57,7 @@ glm::dmat3 axes_of(const glm::dvec3 &direction) {
 }
 
 bool meets(const LightView &light, const glm::dvec3 &sample, const Ball &ball) {
-    if (light.kind == Light::Kind::SUN) {
+    if (light.parallel()) {
         return true;
     }
     const glm::dvec3 across = ball.middle - sample;
@@ -77,6 +90,9 @@ LightView view_of(const Light &light, double cell) {
         view.radius = static_cast<float>(radius);
         break;
     }
+    case Light::Kind::SKY:
+        view.radius = 0.0F;
+        break;
     case Light::Kind::SPHERE:
         view.facing2 = light.facing_disk ? light.radius * light.radius : 0.0F;
         view.cone_cosine =
@@ -109,6 +125,64 @@ LightView view_of(const Light &light, double cell) {
     return view;
 }
 
+int sky_samples(int most) {
+    return 2 * most;
+}
+
+std::vector<Light> parts_of_sky(const Light &light, const Sky *sky) {
+    std::vector<Light> parts;
+    for (int octant = 0; octant < OCTANTS && light.reach.smoke; ++octant) {
+        Light &part = parts.emplace_back(light);
+        part.octant = octant;
+        part.reach.diffuse = part.reach.gloss = part.reach.plate = false;
+    }
+    for (const Sky::Sun &sun : sky == nullptr ? std::span<const Sky::Sun>{} : sky->suns()) {
+        Light &part = parts.emplace_back();
+        part.kind = Light::Kind::SUN;
+        part.strength = sun.irradiance * light.gain;
+        part.direction = -sun.towards;
+        part.angle = sun.angle;
+        part.reach = light.reach;
+    }
+    return parts;
+}
+
+void weigh_sky(LightView &light, int most, std::vector<float> &shares) {
+    const int count = sky_samples(most);
+    std::vector<glm::dvec3> towards;
+    for (int i = 0; i < count; ++i) {
+        towards.push_back(on_sphere(i, count));
+    }
+    const std::vector<glm::dvec3> fluence =
+        light.sky == nullptr
+            ? std::vector<glm::dvec3>(towards.size(), glm::dvec3(light.strength) / static_cast<double>(count))
+            : light.sky->fluence(towards);
+    const double gain = light.sky == nullptr ? 1.0 : double{light.gain};
+    glm::dvec3 all(0.0), moment(0.0);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < towards.size(); ++i) {
+        if (light.octant < 0 || light.octant == octant_of(towards[i])) {
+            const double each = (fluence[i].x + fluence[i].y + fluence[i].z) / 3.0;
+            shares.push_back(static_cast<float>(each));
+            all += fluence[i] * gain;
+            moment += towards[i] * each;
+            sum += each;
+        }
+    }
+    for (float &share : shares) {
+        share = sum > 0.0 ? static_cast<float>(share / sum) : 0.0F;
+    }
+    light.shares = shares;
+    light.strength = glm::vec3(all);
+    const double length = glm::length(moment);
+    if (light.octant >= 0 && length > 0.0) {
+        light.direction = glm::vec3(-moment / length);
+        light.concentration = static_cast<float>(length / sum);
+    } else {
+        light.concentration = 0.0F;
+    }
+}
+
 double shadow_blur(const LightView &light, const Body &body) {
     const Ball ball = ball_of(body);
     // Along an axis that of a disk is half its radius. Of the plume's shadow in suns of 2 to 23 degrees, in it and on a
@@ -126,6 +200,15 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Bod
     // Shadows three cells apart melt into one.
     const int count = std::clamp(static_cast<int>(std::ceil(std::pow(std::min(blur / 3.0, 1e3), 2.0))), 1, most);
     std::vector<glm::vec3> samples;
+    if (light.surrounds()) {
+        for (int i = 0; i < sky_samples(most); ++i) {
+            const glm::dvec3 towards = on_sphere(i, sky_samples(most));
+            if (light.octant < 0 || light.octant == octant_of(towards)) {
+                samples.emplace_back(towards);
+            }
+        }
+        return samples;
+    }
     const glm::dvec3 position(light.position), towards(-glm::dvec3(light.direction));
     for (int i = 0; i < count; ++i) {
         const glm::dvec2 square = on_square(i, count);
@@ -136,6 +219,8 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Bod
         switch (light.kind) {
         case Light::Kind::SUN:
             samples.emplace_back(on_dome(towards, across * disk.x + up * disk.y));
+            break;
+        case Light::Kind::SKY:
             break;
         case Light::Kind::SPHERE: {
             // The disk that the sphere shows to the smoke.

@@ -7,6 +7,7 @@
 #include "text/lights_text.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include <glm/geometric.hpp>
 
@@ -63,14 +64,18 @@ inline Real patch_fade(const LightView &light, Real cosine, Real height, float p
 
 // Whether what one of the light's samples brings, as a share of falloff_of(), is the same everywhere.
 inline bool shares_alike(const LightView &light) {
-    return light.kind == LightKind::SUN || (light.kind == LightKind::SPHERE && light.cone_cosine <= -1.0F);
+    return light.parallel() || (light.kind == LightKind::SPHERE && light.cone_cosine <= -1.0F);
 }
 
-// What one of the light's samples brings to a point, as a share of falloff_of().
-inline Real sample_share(const LightView &light, const glm::vec3 &sample, const vec3 &world) {
+// What one of the light's samples, by number, brings to a point, as a share of falloff_of().
+inline Real sample_share(const LightView &light, std::size_t number, const vec3 &world) {
+    const glm::vec3 &sample = light.samples[number];
     const float count = static_cast<float>(light.samples.size());
     if (light.kind == LightKind::SUN) {
         return 1.0F / (count * std::max(-glm::dot(sample, light.direction), LOWEST_SUN));
+    }
+    if (light.surrounds()) {
+        return light.shares[number];
     }
     if (light.kind == LightKind::SPHERE) {
         return spot_share(light, world - broadcast(sample)) * (1.0F / count);
@@ -177,6 +182,11 @@ inline Towards sample_towards(const LightView &light, const vec3 &point, Real u,
         const vec3 aside = broadcast(light.across) * x + broadcast(light.up) * y;
         const Real height = sqrt(max(1.0F - dot(aside, aside), LOWEST_SUN * LOWEST_SUN));
         return {aside - broadcast(light.direction) * height, 1e30F, 1.0F / height};
+    }
+    if (light.surrounds()) {
+        // Lambert's projection: equal areas of the disk and the sphere.
+        const Real share = min(x * x + y * y, 1.0F), across = 2.0F * sqrt(1.0F - share);
+        return {{x * across, y * across, 1.0F - 2.0F * share}, 1e30F, 1.0F};
     }
     if (light.kind == LightKind::SPHERE) {
         const vec3 to_middle = broadcast(light.position) - point;

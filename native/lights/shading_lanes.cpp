@@ -260,11 +260,17 @@ template <class What>
 typename What::Sent sent_by(What what, const Receiver &r, const LightView &light) {
     if (light.kind == LightKind::SUN) {
         const vec3 towards = broadcast(-light.direction);
-        if (light.radius == 0.0F) {
+        constexpr float NARROW = 1e-4F; // below it what is divided by the radius' square loses its digits
+        if (light.radius < NARROW) {
             return what.direction(r, towards);
         }
         // The cone of the sun as a sphere at distance 1; irradiance 1 from a cone is a radiance of 1 / (pi sin^2).
         return what.scaled(what.sphere(r, towards, light.radius), 0.318309886F / (light.radius * light.radius));
+    }
+    if (light.surrounds()) {
+        // What a sun would that fills all that the surface sees.
+        constexpr float BROADEST = 0.9998F;
+        return what.scaled(what.sphere(r, r.normal, BROADEST), 0.0795774715F);
     }
     if (light.kind == LightKind::POLYGON) {
         const auto corner = [&](int i) { return broadcast(light.corners[i]) - r.point; };

@@ -74,7 +74,7 @@ inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
     const std::size_t end = at.only < 0 ? light.samples.size() : first + 1;
     for (std::size_t j = first; j < end; ++j) {
         const LightMapView *maps = light.maps + static_cast<std::ptrdiff_t>(j) * bodies;
-        const Real weight = sample_share(light, light.samples[j], world);
+        const Real weight = sample_share(light, j, world);
         Real visible = weight;
         Real depth[3] = {0.0F, 0.0F, 0.0F};
         for (int m = 0; m < bodies; ++m) {

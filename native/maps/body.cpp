@@ -30,6 +30,7 @@ Body body_of(const CroppedMedium &medium) {
     body.cells = glm::dvec3(medium.grid->resolution);
     body.cell_size = medium.cell_size / (medium.ramp ? medium.ramp->fineness : 1.0);
     body.extinction = medium.extinction;
+    body.anisotropy = medium.anisotropy;
     body.visibility = medium.visibility;
     body.takes_light = medium.takes_light();
     body.identify = [grid = medium.grid, ramp = medium.ramp, place = medium.grid_to_world,

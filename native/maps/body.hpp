@@ -27,6 +27,7 @@ struct Body {
     glm::dvec3 cells{0.0};
     double cell_size = 0.0;     // the shortest edge, metres
     glm::vec3 extinction{0.0F}; // per unit of column density
+    float anisotropy = 0.0F;    // of its phase function
     Visibility visibility;
     bool takes_light = true; // else it only glows, and no light is asked about it
     bool scatters = true;    // else no light is asked what it is worth in it: hair

@@ -59,31 +59,69 @@ void LightParts::end_round() {
     sheets.end_round();
     trees.end_round();
     volumes.end_round();
+    skies.end_round();
 }
 
-Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples,
-                   const AirView *air)
-    : air_(air == nullptr ? std::nullopt : std::optional(*air)), bodies_(std::move(bodies)) {
+void Lighting::add_views(std::span<const Light> lights, const Surfaces &surfaces, LightParts &parts) {
     double cell = 0.0; // of the finest body that lights are asked about
     for (const Body &body : bodies_) {
         if (body.scatters) {
             cell = cell > 0.0 ? std::min(cell, body.cell_size) : body.cell_size;
         }
-        extinctions_.push_back(body.extinction);
     }
-    for (const Light &light : lights) {
+    const auto add = [&](const Light &light, const Sky *sky) {
         views_.push_back(view_of(light, cell));
         views_.back().solids = view_of(surfaces.hiding(light));
         views_.back().sheets = view_of(surfaces.dimming(light));
+        views_.back().sky = sky;
+    };
+    const bool directed =
+        std::any_of(bodies_.begin(), bodies_.end(), [](const Body &b) { return std::abs(b.anisotropy) > 0.01F; });
+    std::vector<std::pair<Light, const Sky *>> for_surfaces;
+    for (const Light &light : lights) {
+        const Sky *sky = nullptr;
+        if (light.image) {
+            skies_.push_back(parts.skies.get(Key().part(light.image), [&] { return Sky(*light.image); }));
+            sky = skies_.back().get();
+        }
+        if (!surrounds(light) || (sky == nullptr && !directed)) {
+            add(light, nullptr);
+            continue;
+        }
+        for (const Light &part : parts_of_sky(light, sky)) {
+            add(part, surrounds(part) ? sky : nullptr);
+        }
+        for_surfaces.emplace_back(light, sky);
+        for_surfaces.back().first.reach.smoke = false;
     }
+    for (const auto &[light, sky] : for_surfaces) {
+        add(light, sky);
+    }
+    of_smoke_ = views_.size();
+    while (of_smoke_ > 0 && !views_[of_smoke_ - 1].reach.smoke) {
+        --of_smoke_;
+    }
+}
+
+Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples,
+                   LightParts &parts, const AirView *air)
+    : air_(air == nullptr ? std::nullopt : std::optional(*air)), bodies_(std::move(bodies)) {
+    for (const Body &body : bodies_) {
+        extinctions_.push_back(body.extinction);
+    }
+    add_views(lights, surfaces, parts);
     const auto many = std::count_if(views_.begin(), views_.end(), [](const LightView &v) { return v.of_many(); });
     // The faces of a mesh that glows, or the parts of a fire, are one light: what each throws is blurred by the others.
     const int share = std::max(most_samples / std::max(static_cast<int>(many), 1), std::min(most_samples, 4));
     for (const LightView &view : views_) {
         samples_.push_back(light_samples(view, bodies_, view.of_many() ? share : most_samples, air != nullptr));
     }
+    shares_.resize(views_.size());
     for (std::size_t i = 0; i < views_.size(); ++i) {
         views_[i].samples = samples_[i];
+        if (views_[i].surrounds()) {
+            weigh_sky(views_[i], most_samples, shares_[i]);
+        }
     }
 }
 
@@ -99,8 +137,8 @@ void Lighting::build_maps(const Surfaces &surfaces, const LightMapSettings &sett
         LightMapSettings map = settings;
         map.most_floats = std::min(map.most_floats, MOST_FLOATS / static_cast<double>(std::max<std::size_t>(maps, 1)));
         if (samples_[i].size() > 1) {
-            // Each map is blurred by its neighbours: half the detail does.
-            map.texels_per_cell *= 0.5;
+            // Each map is blurred by its neighbours: half the detail does, and less where they are all around.
+            map.texels_per_cell *= views_[i].surrounds() ? 0.375 : 0.5;
         }
         std::vector<Map> &made = maps_.emplace_back();
         std::vector<LightMapView> &map_views = map_views_.emplace_back();
@@ -183,6 +221,7 @@ Key Lighting::arriving_key(std::size_t light, std::size_t own, bool grey) const 
     if (!samples_[light].empty()) {
         key.numbers(std::span<const float>(&samples_[light].front().x, 3 * samples_[light].size()));
     }
+    key.numbers(std::span<const float>(shares_[light]));
     for (const Map &map : maps_[light]) {
         key.part(map.columns).part(map.solids).part(map.sheets);
     }
@@ -204,7 +243,7 @@ void Lighting::fill_volumes(std::vector<CroppedMedium> &media, bool grey, const 
         const CroppedMedium &medium = media[m];
         const std::size_t floats = medium.grid->density.size() * static_cast<std::size_t>(medium.light_channels);
         std::vector<std::shared_ptr<const LightVolume>> volumes;
-        for (std::size_t i = 0; i < views_.size(); ++i) {
+        for (std::size_t i = 0; i < of_smoke_; ++i) {
             Key key = arriving_key(i, m, grey);
             key.part(medium.grid).numbers(std::span<const double>(&medium.grid_to_world[0].x, 16));
             volumes.push_back(parts.volumes.get(key, [&] {

@@ -24,6 +24,7 @@ struct LightParts {
     Kept<SheetDepths> sheets;
     Kept<DepthTree> trees;
     Kept<LightVolume> volumes;
+    Kept<Sky> skies;
 
     void end_round();
 };
@@ -35,7 +36,7 @@ public:
     // Of each light its view and, at most most_samples of them, the points at which it is sampled.
     // `air`: the world's, which dims lights on their way; null where there is none.
     Lighting(std::span<const Light> lights, std::vector<Body> bodies, const Surfaces &surfaces, int most_samples,
-             const AirView *air = nullptr);
+             LightParts &parts, const AirView *air = nullptr);
     // The maps of every body from every sample of every light.
     void build_maps(const Surfaces &surfaces, const LightMapSettings &settings, const InstructionSet &with,
                     LightParts &parts);
@@ -43,6 +44,8 @@ public:
     void fill_volumes(std::vector<CroppedMedium> &media, bool grey, const InstructionSet &with,
                       LightParts &parts) const;
     [[nodiscard]] std::span<const LightView> views() const { return views_; }
+    // The first of these: none of the others lights smoke.
+    [[nodiscard]] std::size_t of_smoke() const { return of_smoke_; }
     [[nodiscard]] std::span<const Body> bodies() const { return bodies_; }
     // Of each body.
     [[nodiscard]] std::span<const glm::vec3> extinctions() const { return extinctions_; }
@@ -67,11 +70,17 @@ private:
     // What of a light arrives in one of the bodies, as far as that is known without what is lit there.
     [[nodiscard]] Key arriving_key(std::size_t light, std::size_t own, bool grey) const;
 
+    // A sky is one light, or where smoke can tell its parts apart many, and one for surfaces behind all others.
+    void add_views(std::span<const Light> lights, const Surfaces &surfaces, LightParts &parts);
+
     std::optional<AirView> air_;
     std::vector<Body> bodies_;
     std::vector<glm::vec3> extinctions_;
     std::vector<std::vector<glm::vec3>> samples_; // of each light
-    std::vector<std::vector<Map>> maps_;          // of each light: for each sample and body, the body first
+    std::vector<std::vector<float>> shares_;      // of each sky
+    std::vector<std::shared_ptr<const Sky>> skies_;
+    std::size_t of_smoke_ = 0;
+    std::vector<std::vector<Map>> maps_; // of each light: for each sample and body, the body first
     std::vector<std::vector<LightMapView>> map_views_;
     std::vector<LightView> views_;
 };

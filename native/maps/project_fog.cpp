@@ -121,6 +121,7 @@ Body body_of(const std::shared_ptr<const Fog> &fog, int texels) {
     body.cells_to_world =
         glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(box.low) - around), glm::dvec3(body.cell_size));
     body.extinction = fog->extinction();
+    body.anisotropy = fog->air.anisotropy;
     body.visibility = fog->air.visibility;
     body.followed = true;
     const glm::vec3 &most = body.extinction;

@@ -186,6 +186,7 @@ Body body_of(const std::shared_ptr<const Puffs> &puffs, std::size_t number) {
     body.cells = extent / of.detail;
     body.cells_to_world = glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(of.low)), glm::dvec3(of.detail));
     body.extinction = of.extinction;
+    body.anisotropy = of.anisotropy;
     body.visibility = of.visibility;
     body.identify = [content = of.content](Key &key) { key.number(content[0], content[1]); };
     body.project = [puffs, number](LightMap plan, const InstructionSet &with) {

@@ -250,12 +250,13 @@ const LightMap *light_map(const Frame &frame, int light, int sample, int medium)
 py::array_t<float> lights_of(const Frame &frame) {
     std::vector<float> values;
     const auto row = [&values](const glm::vec3 &v, float last) { values.insert(values.end(), {v.x, v.y, v.z, last}); };
-    for (const LightView &light : frame.lighting().views()) {
-        row(light.direction, light.parallel() ? 1.0F : 0.0F);
+    const auto lights = frame.lighting().views().first(frame.lighting().of_smoke());
+    for (const LightView &light : lights) {
+        row(light.direction, light.parallel() ? 2.0F - light.concentration : 0.0F);
         row(light.position, light.parallel() ? light.radius * light.radius : light.size2);
         row(light.strength, static_cast<float>(light.samples.size()));
     }
-    return to_numpy(std::move(values), {static_cast<py::ssize_t>(frame.lighting().views().size()), 3, 4});
+    return to_numpy(std::move(values), {static_cast<py::ssize_t>(lights.size()), 3, 4});
 }
 
 py::array_t<float> transmittance_at(const Frame &frame, const Floats &points, int light) {

@@ -79,6 +79,7 @@ True
 
     bind_scene_parts(m);
     bind_visibility(m);
+    bind_sky(m);
     bind_scene(m);
     bind_shafts(m);
     bind_reference(m);

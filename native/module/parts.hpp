@@ -22,6 +22,7 @@ void bind_reference_area_light(pybind11::module_ &reference);
 void bind_scene(pybind11::module_ &m);
 void bind_scene_parts(pybind11::module_ &m);
 void bind_shafts(pybind11::module_ &m);
+void bind_sky(pybind11::module_ &m);
 void bind_transfer(pybind11::module_ &m);
 void bind_transparency(pybind11::module_ &m);
 void bind_visibility(pybind11::module_ &m);

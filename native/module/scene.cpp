@@ -11,6 +11,7 @@
 #include "scene/camera.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <variant>
 
 #include <glm/geometric.hpp>
@@ -261,6 +262,37 @@ void add_sun(ConsoleScene &scene, const Floats &direction, const Floats &irradia
     scene.lights.push_back(light);
 }
 
+// One that differs from side to side, or one radiance.
+using SkyOrRadiance = std::variant<std::shared_ptr<SkyImage>, Floats>;
+
+void add_sky(ConsoleScene &scene, const SkyOrRadiance &radiance, const std::optional<Reach> &reach, float gain) {
+    require_range(gain, 0.0F, 1e30F, "gain");
+    Light light;
+    light.reach = reach.value_or(Reach{});
+    light.kind = Light::Kind::SKY;
+    if (const auto *image = std::get_if<std::shared_ptr<SkyImage>>(&radiance)) {
+        light.image = *image;
+        light.gain = gain;
+    } else {
+        light.strength =
+            strength_of(std::get<Floats>(radiance), "radiance") * (gain * 4.0F * std::numbers::pi_v<float>);
+    }
+    scene.lights.push_back(light);
+}
+
+void set_background(ConsoleScene &scene, const SkyOrRadiance &radiance, float alpha, float gain) {
+    require_range(gain, 0.0F, 1e30F, "gain");
+    require_range(alpha, 0.0F, 1.0F, "alpha");
+    scene.backdrop = nullptr;
+    if (const auto *image = std::get_if<std::shared_ptr<SkyImage>>(&radiance)) {
+        scene.backdrop = *image;
+        scene.background = glm::vec3(gain);
+    } else {
+        scene.background = strength_of(std::get<Floats>(radiance), "radiance") * gain;
+    }
+    scene.background_alpha = alpha;
+}
+
 void add_point(ConsoleScene &scene, const Floats &position, const Floats &intensity, float radius,
                const Floats &direction, float cone, float blend, bool facing_disk, bool spot_cosine,
                const py::object &across, const std::optional<Reach> &reach, bool part) {
@@ -498,6 +530,13 @@ faces it; angle, its angular diameter in radians; reach, what it reaches and wha
 
 >>> Scene().add_sun((0, 0, -1), (4, 4, 4), angle=0.009)
 )")
+        .def(
+            "add_sky", &add_sky, py::arg("radiance").none(false), py::arg("reach") = py::none(), py::arg("gain") = 1.0F,
+            R"(Add light from all around: its radiance (3,), the same in every direction, or a Sky; reach, what it reaches
+and what hides it, or all of that; gain, by what the radiance is multiplied. What the eye sees of it is set_background()'s.
+
+>>> Scene().add_sky((0.05, 0.05, 0.05))
+)")
         .def("add_point", &add_point, py::arg("position"), py::arg("intensity"), py::arg("radius") = 0.0F,
              py::arg("direction") = std::array<float, 3>{0.0F, 0.0F, -1.0F}, py::arg("cone") = 6.2831853F,
              py::arg("blend") = 0.0F, py::arg("facing_disk") = false, py::arg("spot_cosine") = false,
@@ -569,17 +608,11 @@ place does. Raises ValueError for wrong shapes and values that are not finite or
 >>> scene.set_air(rayleigh=(5.8e-6, 13.6e-6, 33.1e-6), mie=(4e-6, 4e-6, 4e-6), anisotropy=0.76, scale_height=8000)
 >>> scene.set_air()  # none
 )")
-        .def(
-            "set_background",
-            [](ConsoleScene &scene, const Floats &radiance, float alpha) {
-                require_range(radiance, 0.0F, 1e30F, "radiance");
-                require_range(alpha, 0.0F, 1.0F, "alpha");
-                scene.background = vector3(radiance, "radiance");
-                scene.background_alpha = alpha;
-            },
-            py::arg("radiance"), py::arg("alpha") = 0.0F,
-            "Set the radiance (3,) where no surface is, and the alpha there. It lights nothing.\n\n"
-            ">>> Scene().set_background((0, 0, 0), alpha=1)\n")
+        .def("set_background", &set_background, py::arg("radiance").none(false), py::arg("alpha") = 0.0F,
+             py::arg("gain") = 1.0F,
+             "Set the radiance (3,) where no surface is, or a Sky, times the gain, and the alpha there.\n"
+             "It lights nothing.\n\n"
+             ">>> Scene().set_background((0, 0, 0), alpha=1)\n")
         .def(
             "set_origin",
             [](ConsoleScene &scene, const Doubles &origin) {

@@ -490,6 +490,11 @@ class Scene:
         lights. It is not seen itself: that is add_mesh's emission. Raises ValueError for corners that are not
         flat, that hold no area, or whose edges cross.
         """
+    def add_sky(self, radiance: Sky | ArrayLike, reach: Reach | None = None, gain: float = 1.0) -> None:
+        """Add light from all around: its radiance (3,), the same in every direction, or a Sky; reach, what it
+        reaches and what hides it, or all of that; gain, by what the radiance is multiplied. What the eye sees of
+        it is set_background()'s.
+        """
     def add_strands(
         self,
         points: ArrayLike,
@@ -527,11 +532,25 @@ class Scene:
         """Fill the world with air, which scatters the light of all lights on its way, once, and dims what lies in
         it.
         """
-    def set_background(self, radiance: ArrayLike, alpha: float = 0.0) -> None:
-        """Set the radiance (3,) where no surface is, and the alpha there. It lights nothing."""
+    def set_background(self, radiance: Sky | ArrayLike, alpha: float = 0.0, gain: float = 1.0) -> None:
+        """Set the radiance (3,) where no surface is, or a Sky, times the gain, and the alpha there. It lights
+        nothing.
+        """
     def set_origin(self, origin: ArrayLike) -> None:
         """Say to which place (3,) in the world, metres, all that is added is relative: single precision knows a
         place to 1e-7 of its distance from there. Cameras are, too.
+        """
+
+class Sky:
+    """A sky that differs from side to side."""
+
+    def __init__(self, radiance: ArrayLike) -> None: ...
+    @property
+    def shape(self) -> tuple[Any, ...]:
+        """Its rows and columns."""
+    def suns(self) -> list[Any]:
+        """What of it is so bright and narrow that it throws a shadow of its own, as add_sun's arguments: the
+        direction of its light (3,), irradiance (3,), and angular diameter.
         """
 
 class SolidMap:

@@ -77,6 +77,23 @@ std::vector<LightSample> sun_samples(const Light &sun, unsigned per_axis) {
     return samples;
 }
 
+// Of equal parts of the whole sphere: by the height of a direction, and by its angle around.
+std::vector<LightSample> sky_samples(const Light &sky, unsigned per_axis) {
+    std::vector<LightSample> samples;
+    const double solid_angle = 4.0 * std::numbers::pi / double(2 * per_axis * per_axis);
+    for (const glm::dvec2 &square : strata(per_axis)) {
+        for (const double half : {0.0, 1.0}) {
+            const double angle = std::numbers::pi * (0.5 * (square.x + 1.0) + half);
+            const double across = std::sqrt(1.0 - square.y * square.y);
+            const glm::dvec3 towards(across * std::cos(angle), across * std::sin(angle), square.y);
+            const glm::dvec3 radiance = sky.image ? sky_radiance(*sky.image, towards) * double{sky.gain}
+                                                  : glm::dvec3(sky.strength) / (4.0 * std::numbers::pi);
+            samples.push_back({towards, ENDLESS, radiance * solid_angle});
+        }
+    }
+    return samples;
+}
+
 // What the cone of a spot leaves of the light that travels in the unit direction `along`: a smooth step in the cosine
 // of its angle to the axis, as in Cycles, from 0 on the cone to 1 at the share `blend` of the way to the axis.
 double spot_factor(const Light &spot, const glm::dvec3 &along) {
@@ -188,6 +205,21 @@ std::vector<LightSample> polygon_samples(const Light &light, const glm::dvec3 &p
 
 } // namespace
 
+glm::dvec3 sky_radiance(const SkyImage &image, const glm::dvec3 &towards) {
+    const double u = 0.5 - std::atan2(towards.y, towards.x) / (2.0 * std::numbers::pi);
+    const double v = std::acos(std::clamp(towards.z / glm::length(towards), -1.0, 1.0)) / std::numbers::pi;
+    const double x = u * image.width - 0.5, y = v * image.height - 0.5;
+    const auto texel = [&image](double column, double row) {
+        const bool beyond = row < 0.0 || row >= image.height; // a pole: there lies the other half of its row
+        const int width = image.width, there = static_cast<int>(column) + (beyond ? width / 2 : 0);
+        return glm::dvec3(
+            image.at((there % width + width) % width, std::clamp(static_cast<int>(row), 0, image.height - 1)));
+    };
+    const double left = std::floor(x), top = std::floor(y);
+    const auto along = [&](double row) { return glm::mix(texel(left, row), texel(left + 1.0, row), x - left); };
+    return glm::mix(along(top), along(top + 1.0), y - top);
+}
+
 std::vector<LightSample> light_samples(const Light &light, const glm::dvec3 &position, unsigned per_axis) {
     switch (light.kind) {
     case Light::Kind::SUN:
@@ -199,6 +231,8 @@ std::vector<LightSample> light_samples(const Light &light, const glm::dvec3 &pos
         return area_samples(light, position, per_axis);
     case Light::Kind::POLYGON:
         return polygon_samples(light, position, per_axis);
+    case Light::Kind::SKY:
+        return sky_samples(light, per_axis);
     }
     return {};
 }

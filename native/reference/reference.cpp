@@ -179,8 +179,10 @@ glm::dvec3 sent_by_smoke(const Scene &scene, const Ray &ray, double end, const S
 glm::dvec4 radiance(const Scene &scene, const Ray &ray, const Settings &settings) {
     const std::optional<Hit> hit = first_hit(scene, ray.origin, ray.direction, ray.reach);
     const double end = hit ? hit->distance : ray.reach;
-    const glm::dvec3 colour =
-        hit ? reflected(scene, *hit, settings.sun_samples_per_axis) : glm::dvec3(scene.background);
+    const glm::dvec3 colour = hit ? reflected(scene, *hit, settings.sun_samples_per_axis)
+                              : scene.backdrop
+                                  ? sky_radiance(*scene.backdrop, ray.direction) * glm::dvec3(scene.background)
+                                  : glm::dvec3(scene.background);
     const glm::dvec3 through = transmittance(scene, ray.origin, ray.at(end));
     const double alpha = hit ? 1.0 : 1.0 - (through.x + through.y + through.z) / 3.0;
     return glm::dvec4(colour * through + sent_by_smoke(scene, ray, end, settings), alpha);

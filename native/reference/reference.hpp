@@ -20,6 +20,7 @@ struct Light;
 struct Medium;
 struct Particles;
 struct Scene;
+struct SkyImage;
 
 } // namespace sfumato
 
@@ -136,6 +137,8 @@ struct LightSample {
 // the solid angle of a sphere (seen from inside: of all directions), and of the area of a rectangle, an ellipse or a
 // triangle; a polygon is two of those. These are midpoints: one is the centre, and close to a large light it takes
 // many. A part at `position` itself is left out.
+// Of an equirectangular picture in a direction.
+glm::dvec3 sky_radiance(const SkyImage &image, const glm::dvec3 &towards);
 std::vector<LightSample> light_samples(const Light &light, const glm::dvec3 &position, unsigned per_axis);
 
 // ---- Surfaces (reference_surface.cpp) ----

@@ -2,10 +2,12 @@
 // A light, apart from the rest of the scene for those who need no more: the kernels.
 #pragma once
 
+#include "scene/sky_image.hpp"
 #include "scene/visibility.hpp"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include <glm/vec3.hpp>
 
@@ -16,16 +18,17 @@ enum class LightKind : std::uint8_t {
     SPHERE,    // a point with a radius, and a spot when its cone is narrower than everything; radiant intensity, W/sr
     RECTANGLE, // one-sided, shines along `direction`; radiance, W/(m^2 sr), where it is brightest
     ELLIPSE,   // the same, inscribed in the rectangle
-    POLYGON    // a part of a mesh that glows: shines from both its sides; radiance
+    POLYGON,   // a part of a mesh that glows: shines from both its sides; radiance
+    SKY        // all around; strength: 4 pi times the mean radiance, W/m^2
 };
 
-// A light as Cycles models it: uniform over its extent. What `strength` means depends on the kind.
+// A light as Cycles models it: uniform over its extent, but for a sky. What `strength` means depends on the kind.
 struct Light {
     using Kind = LightKind;
     Kind kind = Kind::SUN;
     glm::vec3 strength{1.0F};
     glm::vec3 direction{0.0F, 0.0F, -1.0F}; // the way the light travels, unit length; of a sphere, its cone's axis
-    glm::vec3 position{0.0F};               // of the centre; neither a sun's nor a polygon's
+    glm::vec3 position{0.0F};               // of the centre; neither a sun's, a polygon's nor a sky's
     glm::vec3 across{0.5F, 0.0F, 0.0F};     // half axes of rectangles and ellipses, at right angles to each other and
     glm::vec3 up{0.0F, 0.5F, 0.0F};         // to the direction; of an oval cone, see there
     float angle = 0.0F;                     // of a sun: angular diameter, radians
@@ -42,6 +45,9 @@ struct Light {
     bool part = false;                  // of a sphere: of a fire, whose other parts blur what it throws
     float spread = 3.1415927F;          // of rectangles and ellipses: the whole angle that they shine into, radians
     std::array<glm::vec3, 4> corners{}; // of a polygon: flat, convex, in turn; of a triangle the last one twice
+    int octant = -1;                    // of a sky: an eighth of it, between the planes of the axes; -1 for all of it
+    float gain = 1.0F;                  // of a sky's image: by what its radiance is multiplied
+    std::shared_ptr<const SkyImage> image; // of a sky, what it looks like; or none: the same from all sides
     Reach reach;
 };
 

@@ -192,9 +192,10 @@ struct Scene {
     std::vector<Strands> strands;
     std::vector<Air> air; // their densities add, too
     std::vector<Light> lights;
-    glm::vec3 background{0.0F};    // radiance where no surface is; it lights nothing
-    float background_alpha = 0.0F; // 1 where the picture is to have none of another behind it
-    glm::dvec3 origin{0.0};        // the place in the world to which all of it is relative
+    glm::vec3 background{0.0F};               // radiance where no surface is; it lights nothing
+    std::shared_ptr<const SkyImage> backdrop; // times it, or none
+    float background_alpha = 0.0F;            // 1 where the picture is to have none of another behind it
+    glm::dvec3 origin{0.0};                   // the place in the world to which all of it is relative
 };
 
 // Rays of a camera, perspective or orthographic. (u, v) runs over [0, 1]^2 from the lower left corner of the image:

@@ -28,6 +28,7 @@ struct MarchText : Asked {
     using Asked::leave_knot;
     using Asked::light_along;
     using Asked::light_at;
+    using Asked::light_concentration;
     using Asked::light_count;
     using Asked::light_direction;
     using Asked::light_position;

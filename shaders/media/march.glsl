@@ -15,7 +15,7 @@
 //   what that scatters  scattering_at(m, place), anisotropy_of(m), light_at(m, place, light)
 //   what it emits       emits(m), the same for all rays; glow_at(m, place), in [0, 1], for which emission_row(m, row)
 //                       stands, of rows up to last_row(m)
-// and a light: is_parallel(light), light_direction, light_position, light_size2, light_strength.
+// and a light: is_parallel(light), light_concentration, light_direction, light_position, light_size2, light_strength.
 
 // What lies behind this optical depth adds less than 1e-5 of its radiance: there a march stops.
 #define OPAQUE_DEPTH 12.0f
@@ -65,7 +65,8 @@ float incoming_at(int m, int light, float share, vec3 world, vec3 direction)
     incoming = incoming * falloff(distance2, light_size2(light));
     travel = from_light * inversesqrt(max(distance2, 1e-20f));
   }
-  return incoming * henyey_greenstein(-dot(travel, direction), anisotropy_of(m));
+  return incoming *
+         henyey_greenstein_of_cap(-dot(travel, direction), anisotropy_of(m), light_concentration(light));
 }
 
 // What one step through a medium sends to the eye from all lights. `amount` is density times length, tau the optical

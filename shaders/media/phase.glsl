@@ -16,6 +16,20 @@ float henyey_greenstein(float half_sine2, float half_cosine2, float g)
   return 0.0795774715459476679f * (1.0f - g) * (1.0f + g) / (base * sqrt(base));
 }
 
+// The same of light that comes from all of a cap of the sphere alike, by the length of its mean direction, and the cosine
+// to that: 1 is one direction. Its first four Legendre moments; with those of the cap, eight caps that make up the sphere
+// send as much into each direction, as they must.
+float henyey_greenstein_of_cap(float cos_theta, float g, float concentration)
+{
+  float rim = 2.0f * concentration - 1.0f; // the cosine of the cap's half angle, from the cap's mean, (1 + rim) / 2
+  float first = 3.0f * g * concentration * cos_theta;
+  float second = 2.5f * g * g * concentration * rim * (3.0f * cos_theta * cos_theta - 1.0f);
+  float third = 0.875f * g * g * g * concentration * (5.0f * rim * rim - 1.0f) *
+                cos_theta * (5.0f * cos_theta * cos_theta - 3.0f);
+  float series = 0.0795774715459476679f * max(1.0f + first + second + third, 0.0f);
+  return pick(concentration < 1.0f, series, henyey_greenstein(cos_theta, g));
+}
+
 // Of molecules.
 float rayleigh(float cos_theta)
 {

@@ -144,7 +144,7 @@ Reflection microfacet_sphere(Microfacets m, vec3 centre, float radius)
   float sine = clamp(radius / sqrt(max(dot(centre, centre), TINY)), 1e-6f, 0.99999f);
   float cosine = sqrt(1.0f - sine * sine);
   vec3 axis = unit(centre);
-  float level = sqrt(max(1.0f - axis.z * axis.z, 0.0f));
+  float level = sqrt(axis.x * axis.x + axis.y * axis.y); // 1 - z^2 is rounding alone where the light is overhead
   vec3 uphill = unit(vec3(-axis.x * axis.z, -axis.y * axis.z, level * level));
   vec3 x = pick(level < 1e-4f, vec3(one, zero, zero), uphill);
   vec3 y = cross(axis, x);

@@ -70,6 +70,7 @@ Arriving light_at(int medium, vec3 place, int light)
 
 #define light_along(medium, place, world, light) light_at(medium, place, light)
 #define is_parallel(light) (view.lights[3 * (light)].w != 0.0f)
+#define light_concentration(light) (is_parallel(light) ? 2.0f - view.lights[3 * (light)].w : 1.0f)
 #define light_direction(light) view.lights[3 * (light)].xyz
 #define light_position(light) view.lights[3 * (light) + 1].xyz
 #define light_size2(light) view.lights[3 * (light) + 1].w

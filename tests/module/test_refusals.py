@@ -29,6 +29,7 @@ SERIES = sfumato.project(np.full((2, 2, 2), 0.5), np.ones((2, 2, 2)), coefficien
 STORAGE = sfumato.choose_basis(RAYS, RAYS)
 # What serves each argument, by its name, and by that of its function where that is not the same everywhere.
 VALUES: dict[str, Any] = {
+    "Sky.__init__.radiance": np.ones((2, 4, 3)),
     "view_projection": np.eye(4),
     "scene": scene(),
     "camera": sfumato.Camera(np.eye(4)),
@@ -154,6 +155,7 @@ def call(name: str, arguments: dict[str, Any]) -> Any:
         "Scene": scene,
         "Frame": lambda: sfumato.Frame(scene(), coefficients=3),
         "RayStorage": lambda: STORAGE,
+        "Sky": lambda: sfumato.Sky(VALUES["Sky.__init__.radiance"]),
         "TransferFunction": lambda: VALUES["transfer"],
         "PreintegratedTable": lambda: sfumato.PreintegratedTable(VALUES["transfer"], [1.0], entries=8),
     }
