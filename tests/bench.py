@@ -234,6 +234,13 @@ def shafts() -> tuple[Sequence[Row], list[str]]:
     return [*lamps, *rows, *blends], [*of_lamps, *said, *of_blends]
 
 
+def scenes() -> tuple[Sequence[Row], list[str]]:
+    """The plume in the light of worlds."""
+    from bench_scenes import scenes as lit
+
+    return lit()
+
+
 def package() -> tuple[Sequence[Row], list[str]]:
     """The module that packaging/release made, against the one of this build."""
     from bench_package import package as both
@@ -254,6 +261,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "package": package,
     "particles": particles,
     "preintegration": preintegrated,
+    "scenes": scenes,
     "shafts": shafts,
     "versions": versions,
 }

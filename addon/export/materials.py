@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes, and what is read of them besides surfaces and volumes: a plain background."""
+"""Nodes, and what is read of them besides surfaces and volumes."""
 
 from __future__ import annotations
 
@@ -83,25 +83,3 @@ class Smoke:
 def world_of(depsgraph: Any) -> Any | None:
     """The scene's, or the view layer's own, which it may have since 4.3."""
     return getattr(depsgraph.view_layer_eval, "world_override", None) or depsgraph.scene_eval.world
-
-
-def background(depsgraph: Any, notices: list[str]) -> NDArray[np.float64]:
-    """The radiance of the world where it is one colour."""
-    world = world_of(depsgraph)
-    if world is None:
-        return np.zeros(3)
-    if not compat.uses_nodes(world) or world.node_tree is None:
-        return np.array(world.color)
-    output = output_in(world.node_tree, "OUTPUT_WORLD")
-    shader = None if output is None else linked_node(output, "Surface")
-    if shader is None or (shader.mute and shader.type == "BACKGROUND"):
-        return np.zeros(3)
-    if shader.type != "BACKGROUND":
-        notices.append(f"World: its shader {shader.bl_rna.name} is not shown; it is black")
-        return np.zeros(3)
-    colour = value_of(shader, "Color", "World", notices)
-    strength = value_of(shader, "Strength", "World", notices)
-    radiance: NDArray[np.float64] = np.maximum(colour * strength, 0.0)
-    if radiance.any():
-        notices.append("World: shown as a backdrop; it lights nothing yet")
-    return radiance

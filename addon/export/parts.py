@@ -86,7 +86,7 @@ class Parts:
         for update in updates:
             owner = update.id
             if not isinstance(owner, (bpy.types.Scene, bpy.types.Collection)):
-                if update.is_updated_geometry:
+                if update.is_updated_geometry or isinstance(owner, bpy.types.Image):
                     self._changed.add(owner.original.as_pointer())
                 continue
             # What is linked, unlinked or deleted shows as no more than this, and its address may be another's soon.

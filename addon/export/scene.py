@@ -16,7 +16,21 @@ from numpy.typing import NDArray
 
 from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
-from . import air, fog, hair, lights, materials, meshes, omissions, particles, smoke, surfaces, visibility, voxels
+from . import (
+    air,
+    fog,
+    hair,
+    lights,
+    materials,
+    meshes,
+    omissions,
+    particles,
+    smoke,
+    surfaces,
+    visibility,
+    voxels,
+    world,
+)
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -222,10 +236,16 @@ def export(
                 of = (of or Visibility())._replace(seen="unseen")
             add_fog(out, group, which, matrices, of)
     add_points(out, points, parts, seen, smoke_seen)
+    light, backdrop = world.background(depsgraph, parts, looks) if layer.use_sky else (world.BLACK, world.BLACK)
+    if world.add_light(out.scene, materials.world_of(depsgraph), light):
+        lit += 1
+        looks += [
+            f"{group.name}: what its anisotropic gloss mirrors of the world is as if it were not"
+            for group in solids
+            if not isinstance(light.shown, np.ndarray) and surfaces.brushed(group.surfaces)
+        ]
     if lit == 0:
         out.notices.append("No light: nothing is lit. Add one, or raise its strength")
-    if lit > MOST_LIGHTS:
-        out.notices.append(f"{lit} lights: in the viewport only the first {MOST_LIGHTS} light the smoke")
     for number, each in strands:
         try:
             each.add_to(out.scene, visibility.native(flags.of_hair(seen.get(number), each.name)))
@@ -241,8 +261,7 @@ def export(
     air.add_air(out.scene, depsgraph, origin, space, suns, out.notices)
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:
-        world = materials.background(depsgraph, looks) if layer.use_sky else (0.0, 0.0, 0.0)
-        out.scene.set_background(world, alpha=1.0)
+        out.scene.set_background(backdrop.shown, 1.0, backdrop.gain)
     parts.end_export()
     return out
 
@@ -266,13 +285,19 @@ def frame_of(
     log.replace(source, out.notices)
     if whole and out.missing:
         raise ValueError("; ".join(out.missing))
-    return made_of(out, depsgraph.scene, parts)
+    return made_of(out, depsgraph.scene, parts, source if space is not None else "")
 
 
-def made_of(out: Export, settings: Any, parts: Parts) -> Any:
-    """The native Frame of an export, in the quality of a scene."""
+def made_of(out: Export, settings: Any, parts: Parts, view: str = "") -> Any:
+    """The native Frame of an export, in the quality of a scene. In a `view`, under whose name notices go to the log, its
+    shader may have less room for lights than there are."""
     quality = props.QUALITIES[props.of(settings).quality]
-    return core.module().Frame(out.scene, **quality.frame, prepared=parts.native)
+    frame = core.module().Frame(out.scene, **quality.frame, prepared=parts.native)
+    count = len(frame.lights)  # of what looks like one there may be many: a world, a mesh that glows
+    if view and count > MOST_LIGHTS:
+        said = f"{count} lights: in the viewport only the first {MOST_LIGHTS} light the smoke"
+        log.replace(view, [*out.notices, said])
+    return frame
 
 
 def _group_key(thing: Any) -> tuple[int, int]:

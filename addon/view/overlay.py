@@ -100,7 +100,7 @@ class _Overlay:
             try:
                 out = scene.export(context.evaluated_depsgraph_get(), parts.of_views(), space, True)
                 log.replace("viewport", out.notices)
-                self._frames[key] = scene.made_of(out, context.scene, parts.of_views())
+                self._frames[key] = scene.made_of(out, context.scene, parts.of_views(), "viewport")
                 drawn = drawn | out.drawn
             finally:
                 self._hide_own(context, drawn)

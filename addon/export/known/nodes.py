@@ -104,15 +104,16 @@ SURFACES = (
     "BsdfGlass BsdfHair BsdfMetallic BsdfRayPortal BsdfRefraction BsdfSheen BsdfToon "
     "BsdfTranslucent BsdfVelvet Group Holdout Script SubsurfaceScattering"
 )
+IN_WORLDS = "LightPath Mapping NewGeometry TexCoord TexEnvironment TexGradient TexSky VectorMath"
 IN_VOLUMES = (
     "Attribute Blackbody BrightContrast Clamp CombineColor CombineHSV CombineRGB CombineXYZ Gamma HueSaturation Invert "
     "MapRange Math Mix MixRGB RGBToBW SeparateColor SeparateHSV SeparateRGB SeparateXYZ ValToRGB VolumeInfo"
 )
 VALUES = (
-    "AmbientOcclusion Bevel Bump CameraData Displacement FloatCurve Fresnel HairInfo LayerWeight LightFalloff LightPath "
-    "Mapping NewGeometry Normal NormalMap ObjectInfo ParticleInfo PointInfo RGBCurve RadialTiling Raycast Squeeze Tangent "
-    "TexBrick TexChecker TexCoord TexEnvironment TexGabor TexGradient TexIES TexImage TexMagic TexMusgrave TexNoise "
-    "TexPointDensity TexSky TexVoronoi TexWave TexWhiteNoise UVMap VectorCurve VectorDisplacement VectorMath VectorRotate "
+    "AmbientOcclusion Bevel Bump CameraData Displacement FloatCurve Fresnel HairInfo LayerWeight LightFalloff "
+    "Normal NormalMap ObjectInfo ParticleInfo PointInfo RGBCurve RadialTiling Raycast Squeeze Tangent "
+    "TexBrick TexChecker TexGabor TexIES TexImage TexMagic TexMusgrave TexNoise "
+    "TexPointDensity TexVoronoi TexWave TexWhiteNoise UVMap VectorCurve VectorDisplacement VectorRotate "
     "VectorTransform VertexColor Wavelength Wireframe"
 )
 NOT_IN_CYCLES = (
@@ -122,8 +123,9 @@ NOT_IN_CYCLES = (
 PASSES = "OutputAOV"
 OTHERS = {
     "surfaces, named, and shown as diffuse in the material's viewport color": SURFACES,
-    "followed in volumes, by what grids hold in each cell, as are groups; elsewhere the link from them is named, and the "
-    "input's own value used": IN_VOLUMES,
+    "followed in volumes, by what grids hold in each cell, and in worlds, by the direction, as are groups; elsewhere the link "
+    "from them is named, and the input's own value used": IN_VOLUMES,
+    "followed in worlds; elsewhere the link from them is named, and the input's own value used": IN_WORLDS,
     "values and colors: the link from them is named, and the input's own value used": VALUES,
     "AOVs, which the view layer names": PASSES,
     "not there in Cycles": NOT_IN_CYCLES,

@@ -246,7 +246,8 @@ WORLD = Struct(
     "World",
     "world",
     followed={
-        "a Background of one color, as a backdrop": "node_tree use_nodes color",
+        "Backgrounds, their sums and mixtures, of colors, environment textures, sky textures and gradients: as a backdrop, "
+        "and the light that they give": "node_tree use_nodes color",
         "a volume that is the same everywhere: any volume shaders, their sums and mixtures; "
         "of suns, which Cycles blacks out in it, the light as it would be without": "",
         "the pass Mist": "mist_settings",
@@ -273,8 +274,8 @@ WORLD_VISIBILITY = Struct(
     "CyclesVisibilitySettings",
     "world",
     "cycles_visibility",
-    named=(Named("camera", (True,), "its Camera visibility is off, but it is shown as a backdrop"),),
-    idle={_WORLD: "diffuse glossy transmission scatter shadow"},
+    followed={"to what a world shows": "camera diffuse glossy scatter"},
+    idle={_WORLD: "transmission shadow"},
 )
 
 VOLUME = Struct(

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import blending, colours, mathematics, ramps
+from . import blending, colours, directions, mathematics, ramps, skies
 
 Array = NDArray[np.float64]
 
@@ -25,6 +25,8 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     **blending.OPERATIONS,
     **colours.OPERATIONS,
     **ramps.OPERATIONS,
+    **directions.OPERATIONS,
+    **skies.OPERATIONS,
 }
 # Of grids: their values (n,), or (n, 3) or (n, 4) of colours, which are kept times the fourth.
 _GRID, _CONSTANT = "grid", "constant"

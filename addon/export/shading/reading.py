@@ -4,7 +4,7 @@ that it is linked to has itself is used."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -46,6 +46,7 @@ class Reader:
 
     owner: str
     notices: list[str]
+    more: Mapping[str, Callable[[Reader, Place, Any], Field]] = field(default_factory=dict)  # by the type of a node
     _known: dict[tuple[int, ...], Field] = field(default_factory=dict)
     _open: set[tuple[int, ...]] = field(default_factory=set)
 
@@ -65,20 +66,24 @@ class Reader:
                 nothing = converted(fields.constant(0.0), "VALUE", socket.type)
                 return own_value(socket) if compat.muted_links_are_dropped() else nothing
             return converted(own_value(source.socket), source.socket.type, socket.type)
-        key = _key(source.place, source.socket)
-        if key in self._open:  # in a circle
-            self._name(place, socket, source.place.node)
-            return own_value(socket)
         try:
-            if key not in self._known:
-                self._open.add(key)
-                self._known[key] = self._output(source)
-            return converted(self._known[key], source.socket.type, socket.type)
+            return converted(self.of_source(source), source.socket.type, socket.type)
         except NotFollowed:
             self._name(place, socket, source.place.node)
             return own_value(socket)
-        finally:
-            self._open.discard(key)
+
+    def of_source(self, source: Source) -> Field:
+        """What a node's output is in space. Raises NotFollowed, also for one that asks for itself."""
+        key = _key(source.place, source.socket)
+        if key in self._open:
+            raise NotFollowed
+        if key not in self._known:
+            self._open.add(key)
+            try:
+                self._known[key] = self._output(source)
+            finally:
+                self._open.discard(key)
+        return self._known[key]
 
     def source(self, place: Place, socket: Any) -> Source | None:
         """What is behind an input, through reroutes, groups and muted nodes; None where nothing is linked."""
@@ -115,23 +120,27 @@ class Reader:
         return Source(place, output)
 
     def _output(self, source: Source) -> Field:
-        read = _READ.get(source.place.node.type)
+        kind = source.place.node.type
+        read = self.more.get(kind, _READ.get(kind))
         if read is None:
             raise NotFollowed
         return read(self, source.place, source.socket)
 
-    def _name(self, place: Place, socket: Any, source: Any) -> None:
-        """One that goes deeper is told from the shader's own by the node that it goes into."""
-        own = "PRINCIPLED_VOLUME VOLUME_SCATTER VOLUME_ABSORPTION VOLUME_COEFFICIENTS EMISSION".split()
-        into = f"'{socket.name}'" if place.node.type in own else f"{place.node.bl_rna.name}'s '{socket.name}'"
-        said = f"{self.owner}: the link into {into} is not followed; its own value is used"
-        if place.node.type not in own:
-            said = (
-                f"{self.owner}: the link from {source.bl_rna.name} into {into} is not followed; its own value, "
-                f"{_shown(socket)}, is used"
-            )
+    def say(self, what: str) -> None:
+        said = f"{self.owner}: {what}"
         if said not in self.notices:
             self.notices.append(said)
+
+    def _name(self, place: Place, socket: Any, source: Any) -> None:
+        """One that goes deeper is told from the shader's own by the node that it goes into."""
+        own = "PRINCIPLED_VOLUME VOLUME_SCATTER VOLUME_ABSORPTION VOLUME_COEFFICIENTS EMISSION BACKGROUND".split()
+        into = f"'{socket.name}'" if place.node.type in own else f"{place.node.bl_rna.name}'s '{socket.name}'"
+        if place.node.type in own:
+            self.say(f"the link into {into} is not followed; its own value is used")
+        else:
+            self.say(
+                f"the link from {source.bl_rna.name} into {into} is not followed; its own value, {_shown(socket)}, is used"
+            )
 
 
 def _key(place: Place, socket: Any) -> tuple[int, ...]:

@@ -14,7 +14,7 @@ from ... import compat
 from .. import materials
 from . import fields
 from .fields import Field
-from .reading import Place, Reader
+from .reading import Place, Reader, Source
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def of_output(output: Any, owner: str, notices: list[str], *, even: bool = False
     """What fills the volume of a node of output, a material's or a world's. Where it is the same everywhere Rayleigh's phase
     function can be shown, which is named else."""
     reader = Reader(owner, notices)
-    found = list(_added(reader, Place(output), "Volume", fields.constant(1.0)))
+    found = [(source.place, weight) for source, weight in added(reader, Place(output), "Volume", fields.constant(1.0))]
     if not found:
         return None
     scatterers = [(place, weight) for place, weight in found if place.node.type != "EMISSION"]
@@ -134,7 +134,7 @@ def _grouped(found: list[Body]) -> tuple[Body, ...]:
 
 def _sum(a: Body, b: Body) -> Body:
     return Body(
-        _each("sum", a.scattering, b.scattering), _each("sum", a.absorption, b.absorption), a.anisotropy, a.rayleigh
+        each_of("sum", a.scattering, b.scattering), each_of("sum", a.absorption, b.absorption), a.anisotropy, a.rayleigh
     )
 
 
@@ -142,7 +142,7 @@ def _is_black(colour: Field) -> bool:
     return colour.constant is not None and not colour.constant.any()
 
 
-def _added(reader: Reader, place: Place, identifier: str, weight: Field) -> Iterator[tuple[Place, Field]]:
+def added(reader: Reader, place: Place, identifier: str, weight: Field) -> Iterator[tuple[Source, Field]]:
     """The shaders whose sum an input is, and how much there is of each."""
     socket = place.input(identifier)
     source = None if socket is None else reader.source(place, socket)
@@ -150,28 +150,31 @@ def _added(reader: Reader, place: Place, identifier: str, weight: Field) -> Iter
         return
     node = source.place.node
     if node.type == "ADD_SHADER":
-        yield from _added(reader, source.place, "Shader", weight)
-        yield from _added(reader, source.place, "Shader_001", weight)
+        yield from added(reader, source.place, "Shader", weight)
+        yield from added(reader, source.place, "Shader_001", weight)
     elif node.type == "MIX_SHADER":
-        share = _math("MINIMUM", _not_negative(reader.value(source.place, "Fac")), fields.constant(1.0))
-        yield from _added(
-            reader, source.place, "Shader", _math("MULTIPLY", weight, _math("SUBTRACT", fields.constant(1.0), share))
+        share = math_of("MINIMUM", not_negative(reader.value(source.place, "Fac")), fields.constant(1.0))
+        yield from added(
+            reader,
+            source.place,
+            "Shader",
+            math_of("MULTIPLY", weight, math_of("SUBTRACT", fields.constant(1.0), share)),
         )
-        yield from _added(reader, source.place, "Shader_001", _math("MULTIPLY", weight, share))
+        yield from added(reader, source.place, "Shader_001", math_of("MULTIPLY", weight, share))
     else:
-        yield source.place, weight
+        yield source, weight
 
 
-def _math(operation: str, *numbers: Field) -> Field:
+def math_of(operation: str, *numbers: Field) -> Field:
     return fields.of("math", *numbers, settings=(operation,))
 
 
-def _each(operation: str, *colours: Field) -> Field:
+def each_of(operation: str, *colours: Field) -> Field:
     return fields.of("each", *colours, settings=(operation,))
 
 
-def _not_negative(number: Field) -> Field:
-    return _math("MAXIMUM", number, fields.constant(0.0))
+def not_negative(number: Field) -> Field:
+    return math_of("MAXIMUM", number, fields.constant(0.0))
 
 
 def _named_grid(place: Place, identifier: str, output: str = "Fac") -> Field:
@@ -223,20 +226,20 @@ def _coefficients(reader: Reader, place: Place, weight: Field, even: bool) -> tu
     if node.type == "PRINCIPLED_VOLUME":
         density = _density(reader, place, weight)
         if density.constant is None or density.constant.any():
-            density = _not_negative(_math("MULTIPLY", density, _named_grid(place, "Density Attribute")))
+            density = not_negative(math_of("MULTIPLY", density, _named_grid(place, "Density Attribute")))
         tint = _named_grid(place, "Color Attribute", "Color")
-        colour = _each("not negative", _each("product", reader.value(place, "Color"), tint))
-        absorbed = _each("rest", _each("root", reader.value(place, "Absorption Color")))
-        absorption = _each("product", _each("rest", colour), absorbed)
-        return _scaled(density, colour), _scaled(density, absorption)
+        colour = each_of("not negative", each_of("product", reader.value(place, "Color"), tint))
+        absorbed = each_of("rest", each_of("root", reader.value(place, "Absorption Color")))
+        absorption = each_of("product", each_of("rest", colour), absorbed)
+        return scaled(density, colour), scaled(density, absorption)
     if node.type in {"VOLUME_SCATTER", "VOLUME_ABSORPTION"}:
         density, colour = _density(reader, place, weight), reader.value(place, "Color")
         if node.type == "VOLUME_ABSORPTION":
-            return black, _scaled(density, _each("rest", colour))
-        return _scaled(density, _each("not negative", colour)), black
+            return black, scaled(density, each_of("rest", colour))
+        return scaled(density, each_of("not negative", colour)), black
     if node.type == "VOLUME_COEFFICIENTS":
         scattering, absorption = (
-            _scaled(weight, _each("not negative", reader.value(place, f"{which} Coefficients")))
+            scaled(weight, each_of("not negative", reader.value(place, f"{which} Coefficients")))
             for which in ("Scatter", "Absorption")
         )
         return scattering, absorption
@@ -244,13 +247,13 @@ def _coefficients(reader: Reader, place: Place, weight: Field, even: bool) -> tu
         reader.notices.append(f"{reader.owner}: its volume shader {node.bl_rna.name} is not shown; it fills nothing")
         return black, black
     reader.notices.append(f"{reader.owner}: its volume shader {node.bl_rna.name} is shown as white smoke of density 1")
-    white = _scaled(
-        _math("MULTIPLY", weight, fields.grid("density", "Fac", absent=1.0)), fields.constant((1.0, 1.0, 1.0))
+    white = scaled(
+        math_of("MULTIPLY", weight, fields.grid("density", "Fac", absent=1.0)), fields.constant((1.0, 1.0, 1.0))
     )
     return white, black
 
 
-def _scaled(number: Field, colour: Field) -> Field:
+def scaled(number: Field, colour: Field) -> Field:
     """Black where one is 0: of what is multiplied by nothing, Cycles asks no grid."""
     if any(field.constant is not None and not field.constant.any() for field in (number, colour)):
         return fields.constant((0.0, 0.0, 0.0))
@@ -258,7 +261,7 @@ def _scaled(number: Field, colour: Field) -> Field:
 
 
 def _density(reader: Reader, place: Place, weight: Field) -> Field:
-    return _math("MULTIPLY", weight, _not_negative(reader.value(place, "Density")))
+    return math_of("MULTIPLY", weight, not_negative(reader.value(place, "Density")))
 
 
 def _anisotropy(reader: Reader, place: Place) -> Field:
@@ -285,28 +288,30 @@ _FORWARD = 0.9
 def _emitted(reader: Reader, place: Place, weight: Field) -> Iterator[Field]:
     node = place.node
     if not compat.mixes_emission():
-        weight = _math("GREATER_THAN", weight, fields.constant(0.0))
+        weight = math_of("GREATER_THAN", weight, fields.constant(0.0))
     if node.type == "EMISSION":
         yield from _visible(_glow(reader, place, "Strength", "Color", weight))
     elif node.type == "PRINCIPLED_VOLUME":
         yield from _visible(_glow(reader, place, "Emission Strength", "Emission Color", weight))
         intensity = reader.value(place, "Blackbody Intensity")
         if intensity.constant is None or float(intensity.constant[0]) > 1e-5:
-            kelvin = _math("MULTIPLY", reader.value(place, "Temperature"), _named_grid(place, "Temperature Attribute"))
+            kelvin = math_of(
+                "MULTIPLY", reader.value(place, "Temperature"), _named_grid(place, "Temperature Attribute")
+            )
             tint = reader.value(place, "Blackbody Tint")
-            yield from _visible(_scaled(weight, fields.of("fire", kelvin, intensity, tint)))
+            yield from _visible(scaled(weight, fields.of("fire", kelvin, intensity, tint)))
     elif node.type == "VOLUME_COEFFICIENTS":
-        yield from _visible(_scaled(weight, reader.value(place, "Emission Coefficients")))
+        yield from _visible(scaled(weight, reader.value(place, "Emission Coefficients")))
 
 
 def _glow(reader: Reader, place: Place, strength: str, colour: str, weight: Field) -> Field:
     power = reader.value(place, strength)
     if power.constant is not None and float(power.constant[0]) <= 0.0:
         return fields.constant((0.0, 0.0, 0.0))
-    return _scaled(_math("MULTIPLY", weight, _not_negative(power)), reader.value(place, colour))
+    return scaled(math_of("MULTIPLY", weight, not_negative(power)), reader.value(place, colour))
 
 
 def _visible(glow: Field) -> Iterator[Field]:
     known: NDArray[np.float64] | None = glow.constant
     if known is None or (known > 0.0).any():
-        yield _each("not negative", glow)
+        yield each_of("not negative", glow)

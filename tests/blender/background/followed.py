@@ -43,6 +43,7 @@ TRIES = [
     *each("AreaLight", {"energy": 100.0, "shape": "ELLIPSE", "size": 2.0, "size_y": 2.0, "spread": 0.5},
           shape="RECTANGLE"),
     *each("Volume", {"filepath": FIRE}),
+    *each("CyclesVisibilitySettings", {"camera": False, "diffuse": False, "glossy": False, "scatter": False}),
     *each("VolumeRender", {"space": "WORLD"}),
     *each("Object", {"location": MOVED, "rotation_euler": TURNED, "scale": SMALL, "delta_location": MOVED,
           "delta_rotation_euler": TURNED, "delta_scale": SMALL, "hide_render": True}),
