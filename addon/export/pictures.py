@@ -46,8 +46,6 @@ def picture_of(image: Any, parts: Parts, owner: str, notices: list[str]) -> Pict
     if not image.is_float and space not in _LINEAR | _CURVED:
         say(f"{owner}: image {image.name}'s Color Space {space} is shown as sRGB")
     told = parts.told and not image.is_dirty
-    if image.channels == 4 and image.alpha_mode in ({"STRAIGHT"} if image.is_float else {"PREMUL"}):
-        say(f"{owner}: where image {image.name} is not opaque, its Alpha {image.alpha_mode.title()} is not followed")
     made: Picture | None = parts.part(
         lambda: _read(image),
         ("picture",),
@@ -56,7 +54,9 @@ def picture_of(image: Any, parts: Parts, owner: str, notices: list[str]) -> Pict
     )
     if made is None:
         return MISSING
-    if made.digest.endswith("broken"):
+    if "clear" in made.digest:
+        say(f"{owner}: where image {image.name} is not opaque, its Alpha {image.alpha_mode.title()} is not followed")
+    if "broken" in made.digest:
         say(f"{owner}: image {image.name} holds values that are not finite, or are negative; they are black")
     return made
 
@@ -83,15 +83,18 @@ def _read(image: Any) -> tuple[NDArray[np.float32], ...] | None:
     image.pixels.foreach_get(pixels)
     curved = not image.is_float and image.colorspace_settings.name not in _LINEAR
     straight = not image.is_float and image.channels == 4 and image.alpha_mode == "STRAIGHT"
-    return pixels.reshape(height, width, image.channels), np.array((curved, straight), np.float32)
+    # Cycles reads files by itself, and by these modes makes something else of them.
+    other = image.channels == 4 and image.alpha_mode == ("STRAIGHT" if image.is_float else "PREMUL")
+    return pixels.reshape(height, width, image.channels), np.array((curved, straight, other), np.float32)
 
 
 def _picture(pixels: NDArray[np.float32], meaning: NDArray[np.float32]) -> Picture:
-    curved, straight = meaning > 0.0
+    curved, straight, other = meaning > 0.0
     rgb = pixels[..., :3] if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
     if straight:
         rgb = rgb * pixels[..., 3:]  # before its curve, as Cycles does
     sound = np.isfinite(rgb) & (rgb >= 0.0)
     broken = "" if sound.all() else " broken"
+    clear = " clear" if other and pixels[..., 3].min() < 1.0 else ""
     rgb = np.ascontiguousarray(np.where(sound, rgb, 0.0) if broken else rgb, np.float32)
-    return Picture(rgb, f"{core.module().content_hash(rgb, meaning).hex()}{broken}", bool(curved))
+    return Picture(rgb, f"{core.module().content_hash(rgb, meaning).hex()}{broken}{clear}", bool(curved))

@@ -25,6 +25,7 @@ namespace sfumato::SFUMATO_ISA {
 namespace {
 using CameraText = text::CameraText<Real, Isa>;
 using SurfacesText = text::SurfacesText<Real, Isa>;
+using MicrofacetsText = text::MicrofacetsText<Real, Isa>;
 using Ray = CameraText::Ray;
 
 inline Ray ray_through(const FrameView &frame, Real u, Real v) {
@@ -281,6 +282,48 @@ inline Real alpha_of(const Lobe &lobe) {
     return sqrt(lobe.alpha_x * lobe.alpha_y);
 }
 
+// A layer of gloss, as the eye sees its facets, in the frame of its tangents.
+struct SeenFacets {
+    MicrofacetsText::Microfacets m;
+    vec3 x, y, z;
+
+    // The direction that a facet, a half vector of any length, mirrors to the eye.
+    [[nodiscard]] vec3 mirrored(const vec3 &facet) const {
+        const vec3 there = facet * (2.0F * dot(m.view, facet) / max(dot(facet, facet), 1e-30F)) - m.view;
+        return x * there.x + y * there.y + z * there.z;
+    }
+};
+
+inline SeenFacets seen_facets(const Surface &surface, const Lobe &lobe, const vec3 &to_eye) {
+    SeenFacets out;
+    out.x = surface.tangents.x * lobe.cosine + surface.tangents.y * lobe.sine;
+    out.y = surface.tangents.y * lobe.cosine - surface.tangents.x * lobe.sine;
+    out.z = surface.normal;
+    const vec3 view{dot(to_eye, out.x), dot(to_eye, out.y), dot(to_eye, out.z)};
+    out.m = MicrofacetsText().microfacets(BRDF_GGX, view, lobe.alpha_x, lobe.alpha_y);
+    out.m.apart = lobe.apart;
+    return out;
+}
+
+// The mean radiance over all that facets mirror, from a picture of as much gloss as lies between them.
+inline vec3 wide_gloss(const Sky &sky, const SeenFacets &seen, Real level, Mask asked) {
+    vec3 sum{0.0F, 0.0F, 0.0F};
+    Real worths = 1e-20F;
+    for (std::size_t k = 0; k < FACETS; ++k) {
+        const vec3 facet = MicrofacetsText().seen_facet(seen.m, Real(spiral().x[k]), Real(spiral().y[k]));
+        const Real worth = MicrofacetsText().masking_at(seen.m, facet, dot(seen.m.view, facet)).plain;
+        const vec3 towards = seen.mirrored(facet);
+        worths = worths + worth;
+        for (int i = 0; i < GLOSS_LEVELS; ++i) {
+            const Mask here = asked & (xsimd::floor(level) == static_cast<float>(i));
+            if (xsimd::any(here)) {
+                sum = sum + nearest_in(sky.gloss(i), towards) * pick(here, worth, 0.0F);
+            }
+        }
+    }
+    return sum * (1.0F / worths);
+}
+
 // What of a sky's colours a surface sends back, where `strength` is that of all of it: 1 where it is the same all
 // around.
 struct OfSky {
@@ -291,25 +334,30 @@ inline OfSky of_sky(const Sky &sky, const Surface &surface, int lobes, const vec
     const glm::vec3 &mean = sky.mean();
     const vec3 by = broadcast(1.0F / glm::max(mean, glm::vec3(1e-30F)));
     OfSky out;
-    out.diffuse = radiance_in(sky.dull(), surface.normal) * by;
+    out.diffuse = multiplied(radiance_in(sky.dull(), surface.normal), by);
     const vec3 mirrored = mirror_of(surface, to_eye);
     for (int k = 0; k < lobes; ++k) {
         const Real alpha = alpha_of(surface.lobe[k]);
-        // Rough gloss sends most from nearer to the normal (Lagarde and de Rousiers, "Moving Frostbite to physically
-        // based rendering", 2014).
-        const Real straight = (1.0F - alpha) * (sqrt(max(1.0F - alpha, 0.0F)) + alpha);
-        const vec3 middle = surface.normal + (mirrored - surface.normal) * straight;
         const Real octave = xsimd::log2(max(alpha, 1e-6F) * (1.0F / FIRST_ALPHA));
         const Real level = clamp(pick(alpha < FIRST_ALPHA, alpha * (1.0F / FIRST_ALPHA), octave + 1.0F), 0.0F,
                                  static_cast<float>(GLOSS_LEVELS - 1));
+        // A narrow lobe is as round as the picture's; of a wide one each of many facets has its own place on a sharper
+        // picture.
+        constexpr float WIDE = 1.0F;
+        const Mask narrow = level < WIDE;
         out.gloss[k] = {0.0F, 0.0F, 0.0F};
-        for (int i = 0; i < GLOSS_LEVELS; ++i) {
-            const Real share = max(1.0F - abs(level - static_cast<float>(i)), 0.0F);
+        for (int i = 0; i <= static_cast<int>(WIDE); ++i) {
+            const Real share = pick(narrow, max(1.0F - abs(level - static_cast<float>(i)), 0.0F), 0.0F);
             if (xsimd::any(surface.hit & (share > 0.0F))) {
-                out.gloss[k] = out.gloss[k] + radiance_in(sky.gloss(i), middle) * share;
+                out.gloss[k] = out.gloss[k] + radiance_in(sky.gloss(i), mirrored) * share;
             }
         }
-        out.gloss[k] = out.gloss[k] * by;
+        if (xsimd::any(surface.hit & !narrow)) {
+            out.gloss[k] = pick(narrow, out.gloss[k],
+                                wide_gloss(sky, seen_facets(surface, surface.lobe[k], to_eye), max(0.5F * level, WIDE),
+                                           surface.hit & !narrow));
+        }
+        out.gloss[k] = multiplied(out.gloss[k], by);
     }
     return out;
 }
@@ -324,7 +372,9 @@ inline PastSolids sky_past_solids(const FrameView &frame, const Packet &packet, 
     const vec3 nothing{0.0F, 0.0F, 0.0F}, to_eye = -load(shading.direction);
     sum.dull_looks = {nothing, nothing, 1e-20F};
     Real all_gloss[MAX_LOBES];
+    SeenFacets seen[MAX_LOBES];
     for (int k = 0; k < lobes; ++k) {
+        seen[k] = seen_facets(surface, surface.lobe[k], to_eye);
         sum.gloss_looks[k] = {nothing, nothing, 1e-20F};
         all_gloss[k] = 1e-20F;
     }
@@ -356,19 +406,11 @@ inline PastSolids sky_past_solids(const FrameView &frame, const Packet &packet, 
             const Real x1 = 0.8F * disk.x - 0.6F * disk.y, y1 = 0.6F * disk.x + 0.8F * disk.y;
             const vec3 towards = plane.x * x1 + plane.y * y1 + surface.normal * height;
             look(1.0F, towards, from, all, sum.diffuse, sum.dull_looks);
-            // Gloss is asked half as often: by half vectors of GGX's distribution.
+            // Gloss is asked half as often, by the facets that the eye sees.
             for (int k = 0; k < lobes && i % 2 == 0; ++k) {
-                const Real alpha = alpha_of(surface.lobe[k]);
-                const Real share = min(disk.x * disk.x + disk.y * disk.y, 0.999F);
-                const Real tangent2 = alpha * alpha * share / (1.0F - share);
-                const Real cosine = inversesqrt(1.0F + tangent2), sine = sqrt(tangent2) * cosine;
-                const Real turned = sine * inversesqrt(max(share, 1e-12F));
-                const vec3 half = plane.x * (x1 * turned) + plane.y * (y1 * turned) + surface.normal * cosine;
-                const Real facing = dot(to_eye, half);
-                const vec3 mirrored = half * (2.0F * facing) - to_eye;
-                const Mask above = (facing > 0.0F) & (dot(mirrored, surface.normal) > 0.0F);
-                look(pick(above, facing / cosine, 0.0F), mirrored, from, all_gloss[k], sum.gloss[k],
-                     sum.gloss_looks[k]);
+                const vec3 facet = MicrofacetsText().seen_facet(seen[k].m, x1, y1);
+                const Real worth = MicrofacetsText().masking_at(seen[k].m, facet, dot(seen[k].m.view, facet)).plain;
+                look(worth, seen[k].mirrored(facet), from, all_gloss[k], sum.gloss[k], sum.gloss_looks[k]);
             }
         }
     };
@@ -578,7 +620,7 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
             return tinted ? arrives * component(passed.tint, colour) : arrives;
         };
         vec3 spread = radiance ? over_lamberts(surface, light, start, -ray.direction) : vec3(0.0F, 0.0F, 0.0F);
-        OfSky coloured;
+        OfSky coloured{vec3(1.0F, 1.0F, 1.0F), {}};
         if (light.sky != nullptr) {
             coloured = of_sky(*light.sky, surface, mirrors, -ray.direction);
             spread = spread * coloured.diffuse;

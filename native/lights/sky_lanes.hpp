@@ -5,8 +5,31 @@
 #include "lights/sky.hpp"
 #include "text/lanes.hpp"
 
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
 namespace sfumato::SFUMATO_ISA {
 namespace {
+
+// Points that share the unit disk evenly, on a spiral (Vogel, "A better way to construct the sunflower head", 1979).
+constexpr int FACETS = 32;
+struct Spiral {
+    std::array<float, FACETS> x{}, y{};
+};
+inline const Spiral &spiral() {
+    static const Spiral points = [] {
+        Spiral out;
+        for (int k = 0; k < FACETS; ++k) {
+            const double radius = std::sqrt((k + 0.5) / FACETS), angle = 2.0 * std::numbers::pi * std::numbers::phi * k;
+            out.x[static_cast<std::size_t>(k)] = static_cast<float>(radius * std::cos(angle));
+            out.y[static_cast<std::size_t>(k)] = static_cast<float>(radius * std::sin(angle));
+        }
+        return out;
+    }();
+    return points;
+}
 
 struct SkyPlace {
     Real column, row; // of texels, from the upper left corner of the first

@@ -22,11 +22,11 @@ float henyey_greenstein(float half_sine2, float half_cosine2, float g)
 float henyey_greenstein_of_cap(float cos_theta, float g, float concentration)
 {
   float rim = 2.0f * concentration - 1.0f; // the cosine of the cap's half angle, from the cap's mean, (1 + rim) / 2
-  float first = 3.0f * g * concentration * cos_theta;
-  float second = 2.5f * g * g * concentration * rim * (3.0f * cos_theta * cos_theta - 1.0f);
-  float third = 0.875f * g * g * g * concentration * (5.0f * rim * rim - 1.0f) *
+  float once = 3.0f * g * concentration * cos_theta;
+  float twice = 2.5f * g * g * concentration * rim * (3.0f * cos_theta * cos_theta - 1.0f);
+  float thrice = 0.875f * g * g * g * concentration * (5.0f * rim * rim - 1.0f) *
                 cos_theta * (5.0f * cos_theta * cos_theta - 3.0f);
-  float series = 0.0795774715459476679f * max(1.0f + first + second + third, 0.0f);
+  float series = 0.0795774715459476679f * max(1.0f + once + twice + thrice, 0.0f);
   return pick(concentration < 1.0f, series, henyey_greenstein(cos_theta, g));
 }
 

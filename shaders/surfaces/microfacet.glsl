@@ -150,6 +150,18 @@ Reflection masking(Microfacets m, vec3 p)
   return masking_at(m, h, dot(m.view, h));
 }
 
+// The half vector, of any length, of a facet of GGX's that the eye sees, as often as it is seen (Dupuy and Benyoub,
+// "Sampling visible GGX normals with spherical caps", 2023), for a point of the unit disk, area to area. Of light from all
+// sides the mean of view_reach times masking_at() is reflected.
+vec3 seen_facet(Microfacets m, float x, float y)
+{
+  vec3 seen = unit(times(m.rough, m.view));
+  float share = x * x + y * y;
+  float z = (1.0f - share) * (1.0f + seen.z) - seen.z;
+  float aside = sqrt(max(1.0f - z * z, 0.0f)) * inversesqrt(max(share, TINY));
+  return times(m.rough, vec3(x * aside + seen.x, y * aside + seen.y, z + seen.z));
+}
+
 // The BRDF times n.i, for F = 1: what a light that fills little of the sky is worth.
 Reflection microfacet_reflection(Microfacets m, vec3 i)
 {

@@ -208,6 +208,11 @@ def test_pixels_that_are_no_light_are_black_and_named() -> None:
     pixels[:20, :, 1] = -1.0
     linked("ShaderNodeTexEnvironment", image=image(pixels))
     assert any("not finite, or are negative" in said for said in harness.said()), harness.said()
+    assert not any("opaque" in said for said in harness.said()), harness.said()
+    pixels[3, 4, 3] = 0.5
+    linked("ShaderNodeTexEnvironment", image=image(pixels, "Clear"))
+    bpy.data.images["Clear"].alpha_mode = "STRAIGHT"
+    assert any("image Clear is not opaque" in said for said in harness.said()), harness.said()
     assert np.isfinite(pictures.render((16, 16))).all()
 
 

@@ -42,7 +42,7 @@ struct Lit {
     Lit(const Scene &scene, int samples, const InstructionSet &with = instruction_set())
         : surfaces(scene.meshes, scene.lights, solids), media(cropped(scene)),
           grey(std::all_of(media.begin(), media.end(), [](const CroppedMedium &medium) { return medium.grey(); })),
-          lighting(scene.lights, bodies(), surfaces, samples) {
+          lighting(scene.lights, bodies(), surfaces, samples, parts) {
         lighting.build_maps(surfaces, {31, 4.0}, with, parts);
         lighting.fill_volumes(media, grey, with, parts);
     }

@@ -166,6 +166,7 @@ struct Cubes {
     [[nodiscard]] glm::vec3 light_direction(int /*light*/) const { return {0.0F, 0.0F, -1.0F}; }
     [[nodiscard]] glm::vec3 light_position(int /*light*/) const { return {0.0F, 0.0F, 0.0F}; }
     [[nodiscard]] float light_size2(int /*light*/) const { return 0.0F; }
+    [[nodiscard]] float light_concentration(int /*light*/) const { return 1.0F; }
     [[nodiscard]] glm::vec3 light_strength(int /*light*/) const {
         return glm::vec3(4.0F * 4.0F * std::numbers::pi_v<float>);
     }
