@@ -10,7 +10,10 @@ from typing import Any
 
 import bpy
 import numpy as np
+import sfumato
 from numpy.typing import NDArray
+from sfumato import props  # type: ignore[attr-defined]
+from sfumato.export import scene
 from sfumato.view import refinement
 
 Image = NDArray[np.float32]
@@ -109,6 +112,15 @@ def refined() -> Iterator[float | None]:
 def view_matrix() -> NDArray[np.float64]:
     """World to NDC, of the first 3D viewport."""
     return np.array(viewport()[1].spaces.active.region_3d.perspective_matrix, dtype=np.float64)
+
+
+def processed() -> Any:
+    """Our picture of the first 3D viewport, by the native module alone, (height, width, 4)."""
+    out = scene.export(bpy.context.evaluated_depsgraph_get())
+    quality = props.QUALITIES[bpy.context.scene.sfumato.quality]
+    _window, _area, region = viewport()
+    frame = sfumato.Frame(out.scene, **quality.frame)
+    return frame.render(sfumato.Camera(view_matrix()), region.width, region.height, quality.edge_samples)
 
 
 def assert_same(name: str, gpu: Any, cpu: Any) -> None:

@@ -33,15 +33,6 @@ def lamp_in_air(shading: str) -> tuple[Any, Any]:
     return space, own
 
 
-def processed() -> Any:
-    """Our picture of the view, by the native module alone."""
-    out = scene.export(bpy.context.evaluated_depsgraph_get())
-    quality = props.QUALITIES[bpy.context.scene.sfumato.quality]
-    _window, _area, region = screen.viewport()
-    frame = sfumato.Frame(out.scene, **quality.frame)
-    return frame.render(sfumato.Camera(screen.view_matrix()), region.width, region.height, quality.edge_samples)
-
-
 def test_the_rendered_view_is_the_processors() -> Iterator[float | None]:
     _space, own = lamp_in_air("RENDERED")
     bpy.context.scene.render.engine = "SFUMATO"
@@ -50,7 +41,7 @@ def test_the_rendered_view_is_the_processors() -> Iterator[float | None]:
         clear = seen[-1][0]
         own.shown = True
         yield from screen.drawn(seen)
-    expected = processed()
+    expected = screen.processed()
     assert np.abs(seen[-1][0] - clear)[..., :3].mean() > 0.01, "it is seen as soon as it is there"
     screen.assert_same("air, rendered", seen[-1][0][..., :3], expected[..., :3])
 

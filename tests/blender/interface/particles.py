@@ -10,10 +10,8 @@ import bpy
 import harness
 import numpy as np
 import screen
-import sfumato
 from mathutils import Quaternion
-from sfumato import log, props, ui  # type: ignore[attr-defined]
-from sfumato.export import scene
+from sfumato import log, ui  # type: ignore[attr-defined]
 
 
 def puffs(shading: str) -> tuple[Any, bpy.types.ParticleSettings]:
@@ -37,21 +35,12 @@ def puffs(shading: str) -> tuple[Any, bpy.types.ParticleSettings]:
     return space, settings
 
 
-def processed() -> Any:
-    """Our picture of the view, by the native module alone."""
-    out = scene.export(bpy.context.evaluated_depsgraph_get())
-    quality = props.QUALITIES[bpy.context.scene.sfumato.quality]
-    _window, _area, region = screen.viewport()
-    frame = sfumato.Frame(out.scene, **quality.frame)
-    return frame.render(sfumato.Camera(screen.view_matrix()), region.width, region.height, quality.edge_samples)
-
-
 def test_the_rendered_view_is_the_processors() -> Iterator[float | None]:
     puffs("RENDERED")
     bpy.context.scene.render.engine = "SFUMATO"
     with screen.watched() as seen:
         yield from screen.drawn(seen)
-    expected = processed()
+    expected = screen.processed()
     assert expected[..., :3].max() > 0.1
     screen.assert_same("particles, rendered", seen[-1][0][..., :3], expected[..., :3])
 

@@ -11,10 +11,8 @@ import bpy
 import harness
 import numpy as np
 import screen
-import sfumato
 from mathutils import Quaternion
-from sfumato import log, props  # type: ignore[attr-defined]
-from sfumato.export import scene
+from sfumato import log  # type: ignore[attr-defined]
 
 
 def sunset() -> Any:
@@ -54,14 +52,6 @@ def smoke_under(shading: str) -> Any:
     return space
 
 
-def processed() -> Any:
-    out = scene.export(bpy.context.evaluated_depsgraph_get())
-    quality = props.QUALITIES[bpy.context.scene.sfumato.quality]
-    _window, _area, region = screen.viewport()
-    frame = sfumato.Frame(out.scene, **quality.frame)
-    return frame.render(sfumato.Camera(screen.view_matrix()), region.width, region.height, quality.edge_samples)
-
-
 def test_the_rendered_view_is_the_processors() -> Iterator[float | None]:
     smoke_under("RENDERED")
     bpy.context.scene.render.engine = "SFUMATO"
@@ -69,15 +59,15 @@ def test_the_rendered_view_is_the_processors() -> Iterator[float | None]:
     background.inputs["Color"].default_value = (0.3, 0.4, 0.6, 1.0)
     with screen.watched() as seen:
         yield from screen.drawn(seen)
-        screen.assert_same("one color", seen[-1][0][..., :3], processed()[..., :3])
+        screen.assert_same("one color", seen[-1][0][..., :3], screen.processed()[..., :3])
         mapping = sunset()
         yield from screen.drawn(seen)
         first = seen[-1][0]
-        screen.assert_same("image", first[..., :3], processed()[..., :3])
+        screen.assert_same("image", first[..., :3], screen.processed()[..., :3])
         mapping.inputs["Rotation"].default_value = (0.0, 0.0, 2.0)
         yield from screen.drawn(seen)
         assert np.abs(seen[-1][0] - first)[..., :3].mean() > 0.01, "it turns as it is turned"
-        screen.assert_same("image, turned", seen[-1][0][..., :3], processed()[..., :3])
+        screen.assert_same("image, turned", seen[-1][0][..., :3], screen.processed()[..., :3])
 
 
 def test_more_lights_than_the_shader_has_room_for_are_named() -> Iterator[float | None]:
