@@ -87,20 +87,19 @@ inline void media_transmittance(const FrameView &frame, const LightView &light, 
 
 // Of a sky's light, one part of what a surface sends to the eye: all of it, were none hidden by solids, past smoke;
 // and, by a few directions, what comes from these and what solids leave of that.
-template <typename Number, typename Colour>
 struct FromSky {
-    Number light[3];
-    Colour all, seen;
-    Number open; // the mean of the light's colours, without smoke
+    Real light[3];
+    vec3 all, seen;
+    Real open; // the mean of the light's colours, without smoke
 };
 
 // The light that a packet's surfaces send to the eye, with the shadow of the smoke and without.
 struct Reflected {
     Real shadowed[3], open[3];
-    Real unshadowed; // without shadows of solids either, the mean of the colours; of shadows, the irradiance
-    Real lit[3];     // the same of each colour, without what glows
-    Real alone[3];   // where a catcher is met: in the shadows of catchers alone
-    FromSky<Real, vec3> dull, gloss; // of that light what a sky sends, by what becomes of it
+    Real unshadowed;     // without shadows of solids either, the mean of the colours; of shadows, the irradiance
+    Real lit[3];         // the same of each colour, without what glows
+    Real alone[3];       // where a catcher is met: in the shadows of catchers alone
+    FromSky dull, gloss; // of that light what a sky sends, by what becomes of it
 };
 
 inline Real component(const vec3 &v, int axis) {
@@ -544,7 +543,7 @@ constexpr float MIRROR = 0.08F;
 
 inline Reflected no_light() {
     const vec3 nothing{0.0F, 0.0F, 0.0F};
-    const FromSky<Real, vec3> none{{0.0F, 0.0F, 0.0F}, nothing, nothing, 0.0F};
+    const FromSky none{{0.0F, 0.0F, 0.0F}, nothing, nothing, 0.0F};
     return {{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, none, none};
 }
 
