@@ -129,14 +129,19 @@ inline void pack(const Surface &surface, const vec3 &point, const vec3 &directio
     store(plane.y, packet.bitangent);
 }
 
+// The directions of a lobe's alpha_x and alpha_y.
+inline Plane turned(const Lobe &lobe, const Plane &tangents) {
+    return {tangents.x * lobe.cosine + tangents.y * lobe.sine, tangents.y * lobe.cosine - tangents.x * lobe.sine};
+}
+
 inline void pack_lobe(const Lobe &lobe, const Plane &tangents, ShadingPacket &packet) {
     lobe.alpha_x.store_aligned(packet.alpha_x);
     lobe.alpha_y.store_aligned(packet.alpha_y);
     lobe.apart.store_aligned(packet.apart);
     lobe.index.store_aligned(packet.index);
-    const vec3 tangent = tangents.x * lobe.cosine + tangents.y * lobe.sine;
-    store(tangent, packet.tangent);
-    store(tangents.y * lobe.cosine - tangents.x * lobe.sine, packet.bitangent);
+    const Plane own = turned(lobe, tangents);
+    store(own.x, packet.tangent);
+    store(own.y, packet.bitangent);
 }
 
 // What a layer of gloss makes of a light, past solids too; `dip` for Fresnel's share of its dip.
@@ -295,8 +300,9 @@ struct SeenFacets {
 
 inline SeenFacets seen_facets(const Surface &surface, const Lobe &lobe, const vec3 &to_eye) {
     SeenFacets out;
-    out.x = surface.tangents.x * lobe.cosine + surface.tangents.y * lobe.sine;
-    out.y = surface.tangents.y * lobe.cosine - surface.tangents.x * lobe.sine;
+    const Plane own = turned(lobe, surface.tangents);
+    out.x = own.x;
+    out.y = own.y;
     out.z = surface.normal;
     const vec3 view{dot(to_eye, out.x), dot(to_eye, out.y), dot(to_eye, out.z)};
     out.m = MicrofacetsText().microfacets(BRDF_GGX, view, lobe.alpha_x, lobe.alpha_y);

@@ -147,25 +147,29 @@ std::vector<Light> parts_of_sky(const Light &light, const Sky *sky) {
     return parts;
 }
 
-void weigh_sky(LightView &light, int most, std::vector<float> &shares) {
+std::vector<glm::dvec3> sky_fluence(const LightView &light, int most) {
     const int count = sky_samples(most);
+    if (light.sky == nullptr) {
+        return {static_cast<std::size_t>(count), glm::dvec3(light.strength) / static_cast<double>(count)};
+    }
     std::vector<glm::dvec3> towards;
     for (int i = 0; i < count; ++i) {
         towards.push_back(on_sphere(i, count));
     }
-    const std::vector<glm::dvec3> fluence =
-        light.sky == nullptr
-            ? std::vector<glm::dvec3>(towards.size(), glm::dvec3(light.strength) / static_cast<double>(count))
-            : light.sky->fluence(towards);
+    return light.sky->fluence(towards);
+}
+
+void weigh_sky(LightView &light, std::span<const glm::dvec3> fluence, std::vector<float> &shares) {
     const double gain = light.sky == nullptr ? 1.0 : double{light.gain};
     glm::dvec3 all(0.0), moment(0.0);
     double sum = 0.0;
-    for (std::size_t i = 0; i < towards.size(); ++i) {
-        if (light.octant < 0 || light.octant == octant_of(towards[i])) {
+    for (std::size_t i = 0; i < fluence.size(); ++i) {
+        const glm::dvec3 towards = on_sphere(static_cast<int>(i), static_cast<int>(fluence.size()));
+        if (light.octant < 0 || light.octant == octant_of(towards)) {
             const double each = (fluence[i].x + fluence[i].y + fluence[i].z) / 3.0;
             shares.push_back(static_cast<float>(each));
             all += fluence[i] * gain;
-            moment += towards[i] * each;
+            moment += towards * each;
             sum += each;
         }
     }

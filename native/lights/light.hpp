@@ -64,8 +64,11 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Bod
 // A sky as lights whose colours and directions smoke can tell apart: eighths of it, and its suns.
 std::vector<Light> parts_of_sky(const Light &light, const Sky *sky);
 
-// What each of a sky's samples stands for of it, and by that how strong it is, and from where. Sets `shares`.
-void weigh_sky(LightView &light, int most, std::vector<float> &shares);
+// What comes from around each of the directions to all of a sky, W/m^2, before its gain.
+std::vector<glm::dvec3> sky_fluence(const LightView &light, int most);
+
+// What each of a sky's samples stands for of that, and by it how strong the light is, and from where. Sets `shares`.
+void weigh_sky(LightView &light, std::span<const glm::dvec3> fluence, std::vector<float> &shares);
 
 // The standard deviation, in metres, of the bell that stands for the shadow of one point of the smoke in a light, over
 // as much air as half the smoke is wide.

@@ -117,10 +117,16 @@ Lighting::Lighting(std::span<const Light> lights, std::vector<Body> bodies, cons
         samples_.push_back(light_samples(view, bodies_, view.of_many() ? share : most_samples, air != nullptr));
     }
     shares_.resize(views_.size());
+    std::vector<glm::dvec3> fluence; // of the last sky: its parts share it
+    const Sky *of = nullptr;
     for (std::size_t i = 0; i < views_.size(); ++i) {
         views_[i].samples = samples_[i];
         if (views_[i].surrounds()) {
-            weigh_sky(views_[i], most_samples, shares_[i]);
+            if (of == nullptr || views_[i].sky != of) {
+                fluence = sky_fluence(views_[i], most_samples);
+                of = views_[i].sky;
+            }
+            weigh_sky(views_[i], fluence, shares_[i]);
         }
     }
 }
