@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 
 #include <glm/vec3.hpp>
@@ -22,6 +23,16 @@ namespace {
 
 using Real = xsimd::batch<float>;
 using Index = xsimd::batch<std::int32_t>;
+using Bits = xsimd::batch<std::uint32_t>;
+
+// xsimd's own names a batch in some versions, and its numbers in others.
+template <class To, class From>
+To same_bits(const From &from) {
+    static_assert(sizeof(To) == sizeof(From));
+    To to;
+    std::memcpy(&to, &from, sizeof to);
+    return to;
+}
 
 // What text::OneLane is for one lane.
 struct Isa {
@@ -84,6 +95,41 @@ struct Isa {
             (1.0F + x2 * (1.0F / 3.0F + x2 * (0.2F + x2 * (1.0F / 7.0F + x2 * (1.0F / 9.0F + x2 * (1.0F / 11.0F))))));
         const Real quotient = (1.0F + x) / xsimd::max(1.0F - x, Real(1e-37F));
         return pick(x2 < 0.04F, series, 0.5F * xsimd::log(quotient));
+    }
+
+    // xsimd 8 has no conversion from Bits. Of two halves, which are exact, the sum is rounded once.
+    template <class To>
+    static Real real_of(Bits x) {
+#ifdef __AVX512F__
+        return _mm512_cvtepu32_ps(x);
+#else
+        const Index high = same_bits<Index>(x >> 16), low = same_bits<Index>(x & Bits(0xffffU));
+        return xsimd::to_float(high) * 65536.0F + xsimd::to_float(low);
+#endif
+    }
+    static Bits uint_of(Real x) {
+        return same_bits<Bits>(xsimd::to_int(x));
+    }
+    static Bits float_bits(Real x) {
+        return same_bits<Bits>(x);
+    }
+    static Bits rotated(Bits x, int left) {
+#ifdef __AVX512F__
+        return _mm512_rolv_epi32(x, _mm512_set1_epi32(left));
+#else
+        return (x << left) | (x >> (32 - left));
+#endif
+    }
+    static Real negated(Real x, Bits highest) {
+        return same_bits<Real>(same_bits<Bits>(x) ^ (highest & Bits(0x80000000U)));
+    }
+    // Nor one from masks of Bits, so that this compares numbers.
+    static xsimd::batch_bool<float> none_of(Bits x, std::uint32_t bits) {
+#ifdef __AVX512F__
+        return xsimd::batch_bool<float>(_mm512_testn_epi32_mask(x, Bits(bits)));
+#else
+        return xsimd::to_float(same_bits<Index>(x & Bits(bits))) == Real(0.0F);
+#endif
     }
 };
 

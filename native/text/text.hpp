@@ -9,7 +9,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include <glm/vec3.hpp>
 
@@ -52,6 +54,29 @@ struct OneLane {
     static Real lowest_lane(Real x) {
         return x;
     }
+
+    // Whole numbers of 32 bits: TexturesText says what for.
+    template <class Real>
+    static Real real_of(std::uint32_t x) {
+        return static_cast<Real>(x);
+    }
+    // What an int cannot hold is 0.
+    template <class Real>
+    static std::uint32_t uint_of(Real x) {
+        return x > Real(-2147483648.0) && x < Real(2147483648.0)
+                   ? static_cast<std::uint32_t>(static_cast<std::int32_t>(x))
+                   : 0U;
+    }
+    template <class Real>
+    static std::uint32_t float_bits(Real x) {
+        return std::bit_cast<std::uint32_t>(static_cast<float>(x));
+    }
+    static std::uint32_t rotated(std::uint32_t x, int left) { return std::rotl(x, left); }
+    template <class Real>
+    static Real negated(Real x, std::uint32_t highest) {
+        return (highest >> 31U) != 0U ? -x : x;
+    }
+    static bool none_of(std::uint32_t x, std::uint32_t bits) { return (x & bits) == 0U; }
 };
 
 } // namespace sfumato::text

@@ -11,6 +11,7 @@
 #include "text/rays_text.hpp"
 #include "text/strands_text.hpp"
 #include "text/surfaces_text.hpp"
+#include "text/textures_text.hpp"
 
 #include <array>
 #include <random>
@@ -27,7 +28,8 @@
     template struct MicrofacetsText<REAL, ISA>;                                                                        \
     template struct RaysText<REAL, ISA>;                                                                               \
     template struct StrandsText<REAL, ISA>;                                                                            \
-    template struct SurfacesText<REAL, ISA>;
+    template struct SurfacesText<REAL, ISA>;                                                                           \
+    template struct TexturesText<REAL, ISA>;
 
 namespace sfumato::text {
 SFUMATO_ALL_MEMBERS(float, OneLane)
