@@ -57,7 +57,7 @@ def rays(view: View) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     matrix = np.asarray(view.projection)
     across = np.stack((x.ravel() / matrix[0, 0], y.ravel() / matrix[1, 1], np.zeros(x.size)), axis=1)
     along = np.tile((0.0, 0.0, -1.0), (x.size, 1))
-    return (np.zeros_like(across), across + along) if matrix[3, 3] == 0.0 else (across, along)
+    return (np.zeros_like(across), across + along) if abs(matrix[3, 3]) < 1e-9 else (across, along)
 
 
 def expected_fragments(
