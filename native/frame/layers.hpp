@@ -116,6 +116,8 @@ struct Packet {
     alignas(64) float u[MAX_LANES], v[MAX_LANES];             // where on the image, in [0, 1]
     alignas(64) float light_u[MAX_LANES], light_v[MAX_LANES]; // where on every light, in [0, 1]^2
     alignas(64) float active[MAX_LANES];                      // 1, or 0 for lanes to spare
+    float beside_u = 0.0F, beside_v = 0.0F;                   // how far on the image the next pixels are
+    float stands_for = 1.0F;                                  // the width of what each sample is a mean of, pixels
     float reach = 1.5F; // of what a sample stands for around itself, pixels: of what is thinner than these
     // Shadows of solids are averaged over these, as they fall on the plane of the surface that the ray itself meets.
     // Where there are none, from the ray itself, and light_u and light_v.

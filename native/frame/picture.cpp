@@ -20,6 +20,25 @@ int film_turn(int x, int y) {
     return BAYER[static_cast<std::size_t>((y % TILE) * TILE + x % TILE)];
 }
 
+// A pixel, or one of `count` samples of it, for what is textured: as wide as a box of the film filter's variance.
+// Of 1.5 pixels, Blackman and Harris's is as wide as 1.44.
+struct Standing {
+    float beside_u, beside_v, pixels;
+
+    Standing(std::size_t count, const Film &film, const Image &image)
+        : beside_u(1.0F / static_cast<float>(image.width)), beside_v(1.0F / static_cast<float>(image.height)) {
+        constexpr double WIDE = 1.44 / 3.0; // of the filter's diameter
+        const double width = film.filter.shape == Filter::Shape::BOX ? 1.0 : WIDE * film.filter.diameter();
+        pixels = static_cast<float>(width / std::sqrt(static_cast<double>(count)));
+    }
+
+    void put(Packet &packet) const {
+        packet.stands_for = pixels;
+        packet.beside_u = beside_u;
+        packet.beside_v = beside_v;
+    }
+};
+
 // The first look: every pixel once, through its centre, and either through the middles of the lights or spread over
 // them.
 SkyPixel::Part sky_part(const SkyLayers::Part &layers, std::size_t lane) {
@@ -41,6 +60,7 @@ SkyPixel sky_pixel(const SkyLayers &layers, std::size_t lane) {
 
 void trace_row(const Tracer &tracer, const Film &film, Image &image, int y) {
     const bool spread = film.edge_samples > 1;
+    const Standing standing(1, film, image);
     const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
     const auto fill = [&](Packet &packet, std::size_t lane, std::size_t x) {
         const FilmSample look = spread ? first_look(static_cast<int>(x), y) : FilmSample{0.0F, 0.0F, 0.5F, 0.5F};
@@ -49,6 +69,7 @@ void trace_row(const Tracer &tracer, const Film &film, Image &image, int y) {
         packet.light_u[lane] = look.light_u;
         packet.light_v[lane] = look.light_v;
         packet.reach = static_cast<float>(film.filter.diameter() / 2.0);
+        standing.put(packet);
     };
     tracer.trace(static_cast<std::size_t>(image.width), fill,
                  [&](const Layers &layers, std::size_t lane, std::size_t x) {
@@ -229,6 +250,7 @@ using Patterns = std::vector<std::vector<FilmSample>>; // of each turn
 void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patterns, Image &image,
                    std::span<const int> columns, int y) {
     const std::size_t count = patterns.front().size(), sums = image.sums();
+    const Standing standing(count, film, image);
     const auto reach = static_cast<float>(film.filter.diameter() / (2.0 * std::sqrt(static_cast<double>(count))));
     std::vector<double> sum(columns.size() * sums);
     // In air the samples of a pixel share those of the lights, each of its rows and columns all of them.
@@ -243,6 +265,7 @@ void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patte
             packet.light_u[lane] = s.light_u;
             packet.light_v[lane] = s.light_v;
             packet.reach = reach;
+            standing.put(packet);
             packet.turn = turn;
             packet.turns = turns;
         };
@@ -264,13 +287,16 @@ void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patte
 }
 
 // The same where it is only shadows that change: one ray a pixel, with as many looks at them.
-void refine_shadows(const Tracer &tracer, const Patterns &patterns, Image &image, std::span<const int> columns, int y) {
+void refine_shadows(const Tracer &tracer, const Film &film, const Patterns &patterns, Image &image,
+                    std::span<const int> columns, int y) {
     const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
+    const Standing standing(1, film, image);
     const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
         const int x = columns[number];
         const float column = static_cast<float>(x) + 0.5F, row = static_cast<float>(y) + 0.5F;
         packet.u[lane] = column / width;
         packet.v[lane] = row / height;
+        standing.put(packet);
         const std::vector<FilmSample> &pattern = patterns[static_cast<std::size_t>(film_turn(x, y))];
         for (std::size_t k = 0; k < pattern.size(); ++k) {
             packet.shadows[k].u[lane] = (column + pattern[k].x) / width;
@@ -373,7 +399,7 @@ bool refine(const Tracer &tracer, const Film &film, const Progress &progress, Im
         }
         refine_pixels(tracer, film, patterns, image, edges, y);
         refine_pixels(tracer, film, finer, image, fine, y);
-        refine_shadows(tracer, patterns, image, shadows, y);
+        refine_shadows(tracer, film, patterns, image, shadows, y);
     });
 }
 

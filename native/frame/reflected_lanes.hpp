@@ -20,6 +20,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace sfumato::SFUMATO_ISA {
 namespace {
@@ -32,6 +33,16 @@ inline Ray ray_through(const FrameView &frame, Real u, Real v) {
     const auto &c = frame.camera;
     return CameraText().camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),
                                    broadcast(c[5]), u, v);
+}
+
+// Of a packet's samples; none where nothing is textured.
+inline std::optional<Beside> beside_of(const FrameView &frame, const Packet &packet) {
+    if (frame.surfaces.varying == nullptr) {
+        return std::nullopt;
+    }
+    const Real u = Real::load_aligned(packet.u), v = Real::load_aligned(packet.v);
+    return Beside{ray_through(frame, u + packet.beside_u, v), ray_through(frame, u, v + packet.beside_v),
+                  packet.stands_for};
 }
 
 // Whether nothing solid stands on the first `distance` metres from `point`.
@@ -96,10 +107,11 @@ struct FromSky {
 // The light that a packet's surfaces send to the eye, with the shadow of the smoke and without.
 struct Reflected {
     Real shadowed[3], open[3];
-    Real unshadowed;     // without shadows of solids either, the mean of the colours; of shadows, the irradiance
-    Real lit[3];         // the same of each colour, without what glows
-    Real alone[3];       // where a catcher is met: in the shadows of catchers alone
-    FromSky dull, gloss; // of that light what a sky sends, by what becomes of it
+    Real unshadowed;            // without shadows of solids either, the mean of the colours; of shadows, the irradiance
+    Real lit[3];                // the same of each colour, without what glows
+    Real even, even_unshadowed; // the mean of `open`, and `unshadowed`, of what is textured as if it were not
+    Real alone[3];              // where a catcher is met: in the shadows of catchers alone
+    FromSky dull, gloss;        // of that light what a sky sends, by what becomes of it
 };
 
 inline Real component(const vec3 &v, int axis) {
@@ -492,7 +504,7 @@ inline vec3 grooves(const Surface &surface, const vec3 &towards, const vec3 &to_
 // of it; grooves' as the mean over points of the light, by what each brings, since they send most of it back.
 inline vec3 over_lamberts(const Surface &surface, const LightView &light, const vec3 &point, const vec3 &to_eye) {
     vec3 out{1.0F, 1.0F, 1.0F};
-    if (!any_spreads(surface, Spreading::BURLEY)) {
+    if (!any_spreads(surface, Spreading::BURLEY) && !surface.bent) {
         return out;
     }
     const vec3 middle = light.surrounds()  ? surface.normal
@@ -502,7 +514,13 @@ inline vec3 over_lamberts(const Surface &surface, const LightView &light, const 
                                                 dot(to_eye, middle), surface.roughness);
     const Mask burley = surface.spreading == static_cast<float>(Spreading::BURLEY);
     const Real one = pick(burley, rim, 1.0F);
-    out = {one, one, one};
+    Real soft = 1.0F;
+    if (surface.bent && !light.surrounds()) {
+        soft = SurfacesText().bent_share(dot(surface.normal, middle), dot(surface.smooth_normal, middle),
+                                         dot(surface.normal, surface.smooth_normal));
+    }
+    const Real by_middle = one * soft;
+    out = {by_middle, by_middle, by_middle};
     if (!any_spreads(surface, Spreading::GROOVES)) {
         return out;
     }
@@ -517,7 +535,7 @@ inline vec3 over_lamberts(const Surface &surface, const LightView &light, const 
         sum = sum + grooves(surface, towards.direction, to_eye) * weight;
     }
     const Mask grooved = surface.spreading > static_cast<float>(Spreading::BURLEY);
-    const Real by = 1.0F / weights;
+    const Real by = soft / weights;
     return {pick(grooved, sum.x * by, out.x), pick(grooved, sum.y * by, out.y), pick(grooved, sum.z * by, out.z)};
 }
 
@@ -550,7 +568,8 @@ constexpr float MIRROR = 0.08F;
 inline Reflected no_light() {
     const vec3 nothing{0.0F, 0.0F, 0.0F};
     const FromSky none{{0.0F, 0.0F, 0.0F}, nothing, nothing, 0.0F};
-    return {{0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, none, none};
+    return {
+        {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, 0.0F, 0.0F, {0.0F, 0.0F, 0.0F}, none, none};
 }
 
 inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
@@ -572,6 +591,7 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
     const vec3 start = point + surface.geometric_normal * offset;
     // A share in shadow is one of what comes, not of what is reflected.
     const int lobes = radiance ? surface.lobes : 0;
+    const bool textured = radiance && xsimd::any(surface.varied);
     ShadingPacket packed;
     pack(surface, start, ray.direction, packed);
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
@@ -634,15 +654,25 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
             if (radiance) {
                 const Real dull = component(surface.albedo, c) * diffuse * component(spread, c) * light.strength[c];
                 Real sent = dull * left(visible, past.diffuse, c), all = dull;
+                // What of it is textured, over what it would be if it were not.
+                Real textured_dull = 0.0F, even_dull = 0.0F;
+                if (textured) {
+                    textured_dull = dull;
+                    even_dull = surface.even * diffuse * component(spread, c) * light.strength[c];
+                }
                 if (light.surrounds()) {
                     const Real whole = left(1.0F, past.diffuse, c) * dull;
                     sent = whole * pick(lit, seen_share(past.dull_looks, c), 0.0F);
                     out.dull.light[c] = whole * through[c];
-                    out.dull.open = out.dull.open + whole * (1.0F / 3.0F);
+                    const Real told =
+                        textured ? pick(surface.varied, even_dull * left(1.0F, past.diffuse, c), whole) : whole;
+                    out.dull.open = out.dull.open + told * (1.0F / 3.0F);
                 }
                 Real kept = dull * alone.diffuse.visible;
                 for (int k = 0; k < mirrors; ++k) {
-                    Real shine = pick(reached, reflected_by(surface.lobe[k], gloss[k], c), 0.0F) * light.strength[c];
+                    // Lanes without this layer, whose facets have no width, may hold anything that is no number.
+                    const Mask there = reached & (surface.lobe[k].alpha_x > 0.0F);
+                    Real shine = pick(there, reflected_by(surface.lobe[k], gloss[k], c), 0.0F) * light.strength[c];
                     if (light.sky != nullptr) {
                         shine = shine * component(coloured.gloss[k], c);
                     }
@@ -650,21 +680,29 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
                     if (light.surrounds()) {
                         const Real whole = shine * left(1.0F, past.gloss[k], c);
                         const PastSolids::Looked &looked = past.gloss_looks[k];
-                        sent = sent + whole * seen_share(looked, c);
+                        sent = sent + pick(there, whole * seen_share(looked, c), 0.0F);
                         // What is nearly a mirror is as sharp as what it shows.
-                        const Mask blurred = lit & (alpha_of(surface.lobe[k]) > MIRROR);
+                        const Mask blurred = there & lit & (alpha_of(surface.lobe[k]) > MIRROR);
                         out.gloss.light[c] = out.gloss.light[c] + pick(blurred, whole * through[c], 0.0F);
                         const Real mean = light.sky == nullptr
                                               ? Real(1.0F)
                                               : max(component(coloured.gloss[k], c) * light.sky->mean()[c], 1e-30F);
                         const Real each = pick(blurred, whole / (mean * looked.looks), 0.0F);
-                        out.gloss.all[c] = out.gloss.all[c] + each * component(looked.all, c);
-                        out.gloss.seen[c] = out.gloss.seen[c] + each * component(looked.seen, c);
+                        out.gloss.all[c] = out.gloss.all[c] + pick(blurred, each * component(looked.all, c), 0.0F);
+                        out.gloss.seen[c] = out.gloss.seen[c] + pick(blurred, each * component(looked.seen, c), 0.0F);
                         out.gloss.open = out.gloss.open + pick(blurred, whole * (1.0F / 3.0F), 0.0F);
                     } else {
-                        sent = sent + shine * left(gloss[k].visible, past.gloss[k], c);
+                        sent = sent + pick(there, shine * left(gloss[k].visible, past.gloss[k], c), 0.0F);
                     }
-                    kept = kept + shine * alone.gloss[k].visible;
+                    kept = kept + pick(there, shine * alone.gloss[k].visible, 0.0F);
+                }
+                if (textured) {
+                    const Real passed = light.surrounds() ? left(1.0F, past.diffuse, c) *
+                                                                pick(lit, seen_share(past.dull_looks, c), 0.0F)
+                                                          : left(visible, past.diffuse, c);
+                    const Real more = even_dull - textured_dull;
+                    out.even = out.even + (sent + more * passed) * (1.0F / 3.0F);
+                    out.even_unshadowed = out.even_unshadowed + (all + more) * (1.0F / 3.0F);
                 }
                 out.unshadowed = out.unshadowed + all * (1.0F / 3.0F);
                 out.lit[c] = out.lit[c] + all;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -169,6 +170,7 @@ void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet,
         Real(0.0F).store_aligned(layers.smoke[c]);
         Real(1.0F).store_aligned(layers.through[c]);
     }
+    const std::optional<Beside> beside = beside_of(frame, packet);
     std::vector<Hit> hits;
     all_hits(frame.surfaces.places, frame.surfaces.sheets, ray.origin, ray.direction,
              Real::load_aligned(layers.distance), active, hits);
@@ -179,12 +181,12 @@ void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet,
     Over over(layers);
     Met met;
     while (ranks.next(over.looking(), met)) {
-        const Surface sheet = surface_at(frame.surfaces, met, ray);
+        const Surface sheet = surface_at(frame.surfaces, met, ray, beside ? &*beside : nullptr);
         const Reflected light = reflected(frame, wanted, packet, ray, sheet);
         Real through[3];
         alignas(64) float sent[3][LANES], left[3][LANES];
         for (int c = 0; c < 3; ++c) {
-            through[c] = gather(frame.surfaces.properties + material_row::TRANSMITTANCE + c, sheet.material);
+            through[c] = component(sheet.transmittance, c);
             light.shadowed[c].store_aligned(sent[c]);
             through[c].store_aligned(left[c]);
         }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 namespace sfumato::SFUMATO_ISA {
@@ -49,8 +50,9 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
     const Ray ray = ray_through(frame, Real::load_aligned(packet.u), Real::load_aligned(packet.v));
     const bool radiance = wanted.has(Layer::RADIANCE);
     // A shadow is laid over a picture that shows all solids.
-    const Surface surface =
-        first_surface(frame.surfaces, radiance ? frame.surfaces.seen : frame.surfaces.all, ray, active);
+    const std::optional<Beside> beside = beside_of(frame, packet);
+    const Surface surface = first_surface(frame.surfaces, radiance ? frame.surfaces.seen : frame.surfaces.all, ray,
+                                          active, beside ? &*beside : nullptr);
     surface.distance.store_aligned(out.distance);
     pick(surface.hit, 1.0F, 0.0F).store_aligned(out.hit);
     const vec3 behind = frame.backdrop.rgb == nullptr
@@ -92,7 +94,13 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
         unshadowed = pick(surface.hit, light.unshadowed, unshadowed);
     }
     const Real *const seen = radiance ? open : shadowed;
-    ((seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F) + caught_open).store_aligned(out.open);
+    Real told = (seen[0] + seen[1] + seen[2]) * (1.0F / 3.0F) + caught_open;
+    if (radiance && xsimd::any(surface.hit & surface.varied)) {
+        const Mask plain = surface.hit & surface.varied & (cover >= 1.0F) & (caught <= 0.0F);
+        told = pick(plain, own.even, told);
+        unshadowed = pick(plain, own.even_unshadowed, unshadowed);
+    }
+    told.store_aligned(out.open);
     cover.store_aligned(out.cover);
     caught.store_aligned(out.caught);
     unshadowed.store_aligned(out.unshadowed);

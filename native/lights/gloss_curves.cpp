@@ -55,11 +55,26 @@ double mean(const Function &function, int steps) {
     return sum;
 }
 
-// Light that leaves after further reflections, for each unit that the first one lost, of which all could leave
-// (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017): by the means of Fresnel's reflectance
-// and of what is reflected for F = 1.
-double sent_again(double reflectance, double plain) {
-    return reflectance * plain / (1.0 - reflectance * (1.0 - plain));
+std::array<Albedo, CURVE_POINTS> albedos(double alpha, double index) {
+    std::array<Albedo, CURVE_POINTS> at;
+    for (int k = 0; k < CURVE_POINTS; ++k) {
+        at[k] = albedo(alpha, index, static_cast<double>(k) / (CURVE_POINTS - 1));
+    }
+    return at;
+}
+
+double mean_plain(const std::array<Albedo, CURVE_POINTS> &at) {
+    return mean(
+        [&](double cosine) {
+            const double place = cosine * (CURVE_POINTS - 1);
+            const int k = std::min(static_cast<int>(place), CURVE_POINTS - 2);
+            return std::lerp(at[k].plain, at[k + 1].plain, place - k);
+        },
+        64);
+}
+
+double mean_share(double index) {
+    return mean([index](double cosine) { return Text().fresnel_share(cosine, index); }, 64);
 }
 
 } // namespace
@@ -80,33 +95,43 @@ GlossCurves gloss_curves(const Gloss &gloss) {
     if (!leaves_rest && !gloss.lossless) {
         return out;
     }
-    std::array<Albedo, CURVE_POINTS> at;
-    for (int k = 0; k < CURVE_POINTS; ++k) {
-        at[k] = albedo(alpha, gloss.index, static_cast<double>(k) / (CURVE_POINTS - 1));
-    }
-    const double plain = mean(
-        [&](double cosine) {
-            const double place = cosine * (CURVE_POINTS - 1);
-            const int k = std::min(static_cast<int>(place), CURVE_POINTS - 2);
-            return std::lerp(at[k].plain, at[k + 1].plain, place - k);
-        },
-        64);
-    const auto mean_share = [](double index) {
-        return mean([index](double cosine) { return Text().fresnel_share(cosine, index); }, 64);
-    };
+    const std::array<Albedo, CURVE_POINTS> at = albedos(alpha, gloss.index);
+    const double plain = mean_plain(at);
     const double rise = gloss.edge * mean_share(gloss.index), dip = mean_share(DIP_BEFORE_EDGE);
     for (int c = 0; c < 3; ++c) {
         const double f0 = gloss.reflectance[c];
         // What comes out of each unit lost between facets.
-        const double again = gloss.lossless ? sent_again(f0 + (1.0 - f0) * rise - gloss.dip[c] * dip, plain) : 0.0;
+        const double again =
+            gloss.lossless ? Text().sent_again(f0 + (1.0 - f0) * rise - gloss.dip[c] * dip, plain) : 0.0;
         for (int k = 0; k < CURVE_POINTS; ++k) {
-            const double once = at[k].plain, lost = 1.0 - once;
-            out.gain[c][k] = static_cast<float>(share * (1.0 + again * lost / once));
+            const double once = at[k].plain, gain = Text().gain_of_again(again, once);
+            out.gain[c][k] = static_cast<float>(share * gain);
             if (leaves_rest) {
-                const double first = f0 + (1.0 - f0) * gloss.edge * at[k].fresnel / once; // if nothing were lost
-                const double reflected = first * (gloss.lossless ? once + again * lost : 1.0);
+                const double reflected =
+                    Text().reflected_by_layer(f0, gloss.edge, once, at[k].fresnel, gloss.lossless ? once * gain : 1.0);
                 out.left[k] = std::min(out.left[k], static_cast<float>(1.0 - share * reflected));
             }
+        }
+    }
+    return out;
+}
+
+GlossTable gloss_table(const Gloss &gloss) {
+    GlossTable out;
+    out.edge = gloss.edge;
+    out.lossless = gloss.lossless;
+    out.leaves_rest = gloss.below == Below::REST;
+    out.leaves_all = gloss.below == Below::ALL;
+    out.rise = gloss.edge * static_cast<float>(mean_share(gloss.index));
+    out.dip = static_cast<float>(mean_share(DIP_BEFORE_EDGE));
+    for (int i = 0; i < GlossTable::ROUGHNESSES; ++i) {
+        const double share = static_cast<double>(i) / (GlossTable::ROUGHNESSES - 1);
+        const double rough = std::lerp(double{GlossTable::FIRST_ROUGHNESS}, double{GlossTable::LAST_ROUGHNESS}, share);
+        const std::array<Albedo, CURVE_POINTS> at = albedos(rough * rough, gloss.index);
+        out.mean[i] = static_cast<float>(mean_plain(at));
+        for (int k = 0; k < CURVE_POINTS; ++k) {
+            out.plain[i * CURVE_POINTS + k] = static_cast<float>(at[k].plain);
+            out.fresnel[i * CURVE_POINTS + k] = static_cast<float>(at[k].fresnel);
         }
     }
     return out;

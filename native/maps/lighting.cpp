@@ -201,7 +201,8 @@ Lighting::Map Lighting::build_map(const LightView &light, const glm::dvec3 &samp
     Map map;
     map.solids = parts.solids.get(solids, [&] { return find_solids(plan, light.solids, nearest); });
     if (light.sheets.scene != nullptr) {
-        sheets.part(surfaces.dimming(light)).number(nearest).numbers(surfaces.transmittances());
+        sheets.part(surfaces.dimming(light)).number(nearest);
+        surfaces.add_dimming(sheets);
         map.sheets =
             parts.sheets.get(sheets, [&] { return find_sheets(plan, surfaces.view(), light.sheets, nearest); });
     }

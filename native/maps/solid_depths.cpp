@@ -85,16 +85,18 @@ SheetDepths find_sheets(const LightMap &map, const SurfaceView &surfaces, const 
     oneapi::tbb::parallel_for(0, map.size.y, [&](int y) {
         SheetDepths &row = rows[static_cast<std::size_t>(y)];
         std::vector<Hit> hits;
+        std::vector<glm::vec3> through;
         for (int x = 0; x < map.size.x; ++x) {
             row.first.push_back(static_cast<std::uint32_t>(row.depth.size()));
             const TexelRay ray = texel_ray(map, light_to_world, x, y);
             const double length = glm::length(ray.along);
-            all_hits(surfaces, sheets, glm::vec3(ray.origin + nearest * ray.along), glm::vec3(ray.along / length),
-                     static_cast<float>((1.0 - nearest) * length), hits);
+            const glm::vec3 origin(ray.origin + nearest * ray.along), direction(ray.along / length);
+            all_hits(surfaces, sheets, origin, direction, static_cast<float>((1.0 - nearest) * length), hits);
             glm::vec3 left(1.0F);
-            for (const Hit &hit : hits) {
-                const float *const through = transmittance_of(surfaces, hit);
-                left *= glm::vec3(through[0], through[1], through[2]);
+            transmittances_of(surfaces, hits, std::span(&origin, 1), std::span(&direction, 1), through);
+            for (std::size_t i = 0; i < hits.size(); ++i) {
+                const Hit &hit = hits[i];
+                left *= through[i];
                 row.depth.push_back(static_cast<float>(nearest + static_cast<double>(hit.distance) / length));
                 row.left.push_back(left);
                 if (std::max({left.x, left.y, left.z}) < NOTHING_LEFT) {

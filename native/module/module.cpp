@@ -78,6 +78,8 @@ True
     py::module_::import("atexit").attr("register")(m.attr("end_threads"));
 
     bind_scene_parts(m);
+    bind_textures(m);
+    bind_pattern(m);
     bind_visibility(m);
     bind_sky(m);
     bind_scene(m);

@@ -9,6 +9,7 @@
 #include "module/parts.hpp"
 #include "module/scene_parts.hpp"
 #include "scene/camera.hpp"
+#include "textures/pattern.hpp"
 
 #include <algorithm>
 #include <numbers>
@@ -37,7 +38,8 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
                    const std::optional<Floats> &gloss, const std::optional<Floats> &emission,
                    const std::optional<Floats> &diffuse, const std::optional<Doubles> &object_index,
                    const std::optional<Doubles> &material_index, const std::optional<Visibility> &visibility,
-                   const std::optional<Floats> &transmittance) {
+                   const std::optional<Floats> &transmittance, const py::list &patterns,
+                   const std::optional<Floats> &values) {
     Instances out;
     out.visibility = visibility.value_or(Visibility{});
     out.shape = mesh.shape;
@@ -49,6 +51,25 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
     out.to_world = places(to_world);
     out.index = numbers(object_index, out.to_world.size(), "object_index");
     out.materials.index = numbers(material_index, out.materials.albedo.size(), "material_index");
+    if (values) {
+        require_shape(*values, {static_cast<py::ssize_t>(out.to_world.size()), -1}, "values");
+        require_finite(*values, "values");
+        out.values.assign(values->data(), values->data() + values->size());
+    }
+    if (!patterns.empty() && patterns.size() != out.materials.albedo.size()) {
+        throw py::value_error("patterns holds " + text(patterns.size()) + ", but there are " +
+                              text(out.materials.albedo.size()) + " rows of albedo");
+    }
+    for (const py::handle &each : patterns) {
+        if (!each.is_none() && !py::isinstance<Pattern>(each)) {
+            throw py::value_error("patterns holds " + told(each) + ", but must hold a Pattern or None each");
+        }
+        const auto pattern = each.is_none() ? nullptr : each.cast<std::shared_ptr<Pattern>>();
+        if (pattern) {
+            require_inputs(*pattern, *mesh.shape, values ? static_cast<std::size_t>(values->shape(1)) : 0);
+        }
+        out.materials.patterns.push_back(pattern);
+    }
     scene.meshes.push_back(std::move(out));
 }
 
@@ -454,10 +475,13 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
              py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse") = py::none(),
              py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
              py::arg("visibility") = py::none(), py::arg("transmittance") = py::none(),
+             py::arg("patterns") = py::list(), py::arg("values") = py::none(),
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
 world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of add_mesh, a row for
 each material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
-gives by these names; visibility, what it is to the camera and to lights, or all of that. Raises ValueError as add_mesh
+gives by these names; visibility, what it is to the camera and to lights, or all of that. patterns, a Pattern or None for
+each material, give what varies of these, which then are no more than usual of it: of a layer of gloss the index decides
+what it leaves. values (n, j) are what they ask for of each place. Raises ValueError as add_mesh
 does, and for too few rows.
 
 >>> import numpy as np

@@ -7,6 +7,7 @@
 #include "module/parts.hpp"
 #include "scene/volume_file.hpp"
 #include "solids/surface_view.hpp"
+#include "textures/pattern_input.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -140,7 +141,7 @@ py::bytes content_hash(const py::args &arrays) {
 
 CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_given,
                          const std::optional<Floats> &normals, const std::optional<py::object> &material_given,
-                         const std::optional<Floats> &tangents) {
+                         const std::optional<Floats> &tangents, const std::optional<Floats> &channels) {
     const py::array triangles = any_array(triangles_given, "triangles");
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
@@ -165,6 +166,16 @@ CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_giv
         require_shape(*tangents, {count, 3, 3}, "tangents");
         require_finite(*tangents, "tangents");
         shape->corner_tangents = corners(*tangents);
+    }
+    if (channels) {
+        require_shape(*channels, {count, 3, -1}, "channels");
+        require_finite(*channels, "channels");
+        if (channels->shape(2) > pattern_input::MOST_CHANNELS) {
+            throw py::value_error("channels has shape " + shape_of(*channels) + "; of each corner there may be " +
+                                  text(pattern_input::MOST_CHANNELS));
+        }
+        shape->channel_count = static_cast<std::uint32_t>(channels->shape(2));
+        shape->channels.assign(channels->data(), channels->data() + channels->size());
     }
     CheckedMesh mesh;
     mesh.materials = count > 0 ? 1 : 0;
@@ -286,6 +297,8 @@ void require_plain(const std::vector<Thing> &things, const std::string &name, co
 Scene ConsoleScene::for_reference() const {
     const auto seen = [](const auto &thing) { return thing.visibility == Visibility{}; };
     require_plain(meshes, "there is a visibility of mesh", seen);
+    require_plain(meshes, "there is a pattern of mesh",
+                  [](const Instances &mesh) { return mesh.materials.patterns.empty(); });
     require_plain(meshes, "there is a transmittance of mesh",
                   [](const Instances &mesh) { return mesh.materials.transmittance.empty(); });
     require_plain(media, "there is a visibility of medium", seen);
@@ -323,14 +336,14 @@ void bind_scene_parts(py::module_ &m) {
 vertices (n, 3); triangles (m, 3), indices into vertices; normals, unit length: one for each vertex (n, 3) or one for
 each corner (m, 3, 3), and without any, flat faces whose front is the side from which their corners run counterclockwise;
 material (m,), a row of what the object's materials are, the first without it; tangents (m, 3, 3), the directions of
-brushed gloss at the corners. A Frame keeps what it makes of a Mesh in its Prepared: add the same one again and nothing
+brushed gloss at the corners; channels (m, 3, k), numbers at the corners that patterns ask for. A Frame keeps what it makes of a Mesh in its Prepared: add the same one again and nothing
 is built twice. Raises ValueError for wrong shapes, indices out of range and values that are not finite.
 
 >>> Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).triangles
 1
 )")
         .def(py::init(&checked_mesh), py::arg("vertices"), py::arg("triangles"), py::arg("normals") = py::none(),
-             py::arg("material") = py::none(), py::arg("tangents") = py::none())
+             py::arg("material") = py::none(), py::arg("tangents") = py::none(), py::arg("channels") = py::none())
         .def_property_readonly(
             "triangles", [](const CheckedMesh &mesh) { return mesh.shape->triangles.size(); }, "How many there are.");
     m.def(

@@ -23,7 +23,11 @@ struct CheckedMesh {
 CheckedMesh checked_mesh(const arguments::Floats &vertices, const arguments::py::object &triangles,
                          const std::optional<arguments::Floats> &normals,
                          const std::optional<arguments::py::object> &material,
-                         const std::optional<arguments::Floats> &tangents);
+                         const std::optional<arguments::Floats> &tangents,
+                         const std::optional<arguments::Floats> &channels = std::nullopt);
+
+// Raises ValueError where a pattern asks for more than there is.
+void require_inputs(const Pattern &pattern, const Shape &shape, std::size_t values);
 
 Materials checked_materials(const arguments::Floats &albedo, const std::optional<arguments::Floats> &gloss,
                             const std::optional<arguments::Floats> &emission,

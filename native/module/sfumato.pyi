@@ -189,6 +189,30 @@ class Grid:
         vectors or for grey of scalars, wherever it lies. Raises ValueError that names the file and the cause.
         """
 
+class Image:
+    """A picture on surfaces, with a pyramid of means of itself."""
+
+    def __init__(
+        self, pixels: ArrayLike, curved: bool = False, divided: bool = False, closest: bool = False
+    ) -> None: ...
+    def look_up(
+        self,
+        u: ArrayLike,
+        v: ArrayLike,
+        du: ArrayLike | None = None,
+        dv: ArrayLike | None = None,
+        interpolation: str = "linear",
+        extension: str = "repeat",
+    ) -> NDArray[numpy.float32]:
+        """Linear colours and alpha (n, 4) at places u, v (n,), which are within [0, 1] on the picture. du and dv (n,
+        2) are how far these move along both axes of a pixel, over which the mean is taken. interpolation is
+        'closest', 'linear' or 'cubic', extension 'repeat', 'extend', 'clip' or 'mirror'. Where a place is not
+        finite, all is 0.
+        """
+    @property
+    def shape(self) -> tuple[Any, ...]:
+        """Its rows and columns."""
+
 class LearnedBasis:
     """The functions that learn_basis made from a sample of rays."""
 
@@ -285,10 +309,44 @@ class Mesh:
         normals: ArrayLike | None = None,
         material: ArrayLike | None = None,
         tangents: ArrayLike | None = None,
+        channels: ArrayLike | None = None,
     ) -> None: ...
     @property
     def triangles(self) -> int:
         """How many there are."""
+
+class Pattern:
+    """What of a material varies over a surface, as a program."""
+
+    def __init__(
+        self,
+        steps: ArrayLike,
+        outputs: ArrayLike,
+        constants: ArrayLike = [],
+        tables: list[Any] = [],
+        integers: ArrayLike | None = None,
+        images: list[Any] = [],
+    ) -> None: ...
+    def at(
+        self,
+        mesh: Mesh,
+        triangle: ArrayLike,
+        u: ArrayLike,
+        v: ArrayLike,
+        to_world: ArrayLike | None = None,
+        values: ArrayLike = [],
+    ) -> numpy.ndarray:
+        """(n, k): its outputs at places of a mesh, seen against their normals: triangle (n,), and on it u and v
+        (n,), the shares of its second and third corner. to_world (4, 4); values, what it asks for of the mesh's
+        place. Raises ValueError for what is not finite or not there.
+        """
+    def of(self, rows: ArrayLike) -> numpy.ndarray:
+        """(n, k): its outputs where rows (n, m) are the mesh's channels; all else that it asks for is 0. Raises
+        ValueError for too few channels.
+        """
+    @staticmethod
+    def operations() -> Sequence[str]:
+        """The names of operations, in the order of their numbers."""
 
 class PreintegratedTable:
     """What a step of a ray sends to the eye, by the values at both its ends."""
@@ -411,12 +469,16 @@ class Scene:
         material_index: ArrayLike | None = None,
         visibility: Visibility | None = None,
         transmittance: ArrayLike | None = None,
+        patterns: list[Any] = [],
+        values: ArrayLike | None = None,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
         world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of
         add_mesh, a row for each material that the mesh names. object_index (n,), a number for each place, and
         material_index (k,) are what Frame.passes gives by these names; visibility, what it is to the camera and
-        to lights, or all of that. Raises ValueError as add_mesh does, and for too few rows.
+        to lights, or all of that. patterns, a Pattern or None for each material, give what varies of these, which
+        then are no more than usual of it: of a layer of gloss the index decides what it leaves. values (n, j) are
+        what they ask for of each place. Raises ValueError as add_mesh does, and for too few rows.
         """
     def add_medium(
         self,

@@ -35,12 +35,15 @@ def python_type(text: str, argument: bool) -> str:
         return f"{python_type(wrapped[1], argument)} | None"
     if wrapped := re.fullmatch(r"Union\[(.*)\]", text):
         return " | ".join(python_type(part, argument) for part in split(wrapped[1]))
+    if several := re.fullmatch(r"Tuple\[(.*)\]", text):
+        return f"tuple[{', '.join(python_type(part, argument) for part in split(several[1]))}]"
     if array := re.fullmatch(r"numpy\.ndarray\[(.*)\]", text):
         return "ArrayLike" if argument else f"NDArray[{array[1]}]"
     if re.fullmatch(r"List\[int\[\d+\]\]", text):
         return "Sequence[int]"
-    if text == "List[str]":
-        return "Sequence[str]"
+    if several := re.fullmatch(r"List\[(.*)\]", text):
+        inner = several[1] if argument else python_type(several[1], argument)
+        return f"Sequence[{python_type(inner, argument)}]"
     if text == "object":
         return "ArrayLike" if argument else "Any"
     return {"list": "list[Any]", "tuple": "tuple[Any, ...]"}.get(text, text)

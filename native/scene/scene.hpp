@@ -17,6 +17,7 @@
 namespace sfumato {
 
 struct Grid;            // media/grid.hpp
+struct Pattern;         // textures/pattern.hpp
 class TransferFunction; // media/transfer.hpp
 
 // What a layer of gloss leaves to all that lies below it: everything; of light, what it does not reflect; or nothing.
@@ -70,6 +71,9 @@ struct Shape {
     std::vector<glm::vec3> vertex_normals;
     std::vector<std::uint32_t> material; // one for each triangle, a row of Materials; or none: the first
     std::vector<std::array<glm::vec3, 3>> corner_tangents; // as corner_normals; or none
+    // What patterns ask for: so many numbers for each corner of each triangle, interpolated between.
+    std::uint32_t channel_count = 0;
+    std::vector<float> channels;
 };
 
 // How the triangles of an object reflect, diffusely and with gloss: a row for each of its materials.
@@ -82,6 +86,9 @@ struct Materials {
     // The share of light, of each colour, that passes straight through, one for each albedo; or none: all are opaque.
     // What the rest of it does is all that stands above.
     std::vector<glm::vec3> transmittance;
+    // What of these varies over a surface, one for each albedo, or null; or none. What a pattern gives stands in place
+    // of what stands above, which is then no more than what is usual of it.
+    std::vector<std::shared_ptr<const Pattern>> patterns;
 };
 
 // What stands alone in the world.
@@ -93,6 +100,8 @@ struct Instances {
     Materials materials;
     std::vector<glm::mat4> to_world;
     std::vector<std::uint32_t> index; // an artist's number, one for each place; or none: 0
+    // What patterns ask for of a place: of each equally many numbers; or none.
+    std::vector<float> values;
     Visibility visibility;
 
     Instances() = default;

@@ -60,12 +60,28 @@ void settle(const PlaceView *places, std::vector<Hit> &hits) {
     hits.resize(kept);
 }
 
-const float *transmittance_of(const SurfaceView &surfaces, const Hit &hit) {
+const float *properties_of(const SurfaceView &surfaces, const Hit &hit) {
     const PlaceView &place = surfaces.places[hit.place];
     const std::size_t own = place.material == nullptr ? 0 : place.material[hit.triangle];
     const std::size_t row = static_cast<std::size_t>(place.first_material) + own;
-    return surfaces.properties + row * material_row::FLOATS + material_row::TRANSMITTANCE;
+    return surfaces.properties + row * material_row::FLOATS;
 }
+
+void transmittances_of(const SurfaceView &surfaces, std::span<const Hit> hits, std::span<const glm::vec3> origins,
+                       std::span<const glm::vec3> directions, std::vector<glm::vec3> &out, const InstructionSet &with) {
+    out.clear();
+    bool varies = false;
+    for (const Hit &hit : hits) {
+        const float *const row = properties_of(surfaces, hit), *const through = row + material_row::TRANSMITTANCE;
+        out.emplace_back(through[0], through[1], through[2]);
+        varies = varies || row[material_row::PATTERN] > 0.0F;
+    }
+    if (varies) {
+        varying_kernels(with).transmittances(surfaces, hits, origins, directions, out);
+    }
+}
+
+SFUMATO_DISPATCH(VaryingKernels, varying_kernels)
 
 void all_hits(const SurfaceView &surfaces, const RayScene &among, const glm::vec3 &origin, const glm::vec3 &direction,
               float far, std::vector<Hit> &hits) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solids/sheets.hpp"
 
+#include "textures/pattern.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +15,10 @@ std::vector<bool> clear_rows(const Materials &materials) {
     std::vector<bool> clear;
     for (const glm::vec3 &left : materials.transmittance) {
         clear.push_back(std::max({left.x, left.y, left.z}) > 0.0F);
+    }
+    clear.resize(std::max(clear.size(), materials.patterns.size()));
+    for (std::size_t row = 0; row < materials.patterns.size(); ++row) {
+        clear[row] = clear[row] || (materials.patterns[row] && materials.patterns[row]->dims);
     }
     return clear;
 }
@@ -38,6 +44,14 @@ Shape part_of(const Shape &shape, const std::vector<bool> &clear, bool wanted) {
     chosen(shape.corner_normals, part.corner_normals);
     chosen(shape.material, part.material);
     chosen(shape.corner_tangents, part.corner_tangents);
+    part.channel_count = shape.channel_count;
+    const std::size_t each = std::size_t{3} * shape.channel_count;
+    for (std::size_t i = 0; i < shape.channels.size() / std::max(each, std::size_t{1}); ++i) {
+        if (is_clear(shape, clear, i) == wanted) {
+            const auto first = shape.channels.begin() + static_cast<std::ptrdiff_t>(i * each);
+            part.channels.insert(part.channels.end(), first, first + static_cast<std::ptrdiff_t>(each));
+        }
+    }
     return part;
 }
 

@@ -3,6 +3,7 @@
 
 #include "scene/scene.hpp"
 #include "text/surfaces_text.hpp"
+#include "textures/pattern.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -70,6 +71,8 @@ void put_lobe(std::span<float> row, const Gloss &gloss, const GlossCurves &curve
     row[APART] = gloss.apart ? 1.0F : 0.0F;
     row[INDEX] = gloss.index;
     row[BECKMANN] = gloss.beckmann ? 1.0F : 0.0F;
+    row[SHARE] = gloss.share;
+    row[TURN] = gloss.turn;
     row[TURN_COSINE] = std::cos(2.0F * std::numbers::pi_v<float> * gloss.turn);
     row[TURN_SINE] = std::sin(2.0F * std::numbers::pi_v<float> * gloss.turn);
     std::ranges::copy(curves.left, row.begin() + LEFT);
@@ -146,6 +149,8 @@ PlaceView view_of(const Shape &shape, const glm::mat4 &to_world, std::int32_t fi
     view.vertex_normals = shape.vertex_normals.empty() ? nullptr : &shape.vertex_normals.front().x;
     view.corner_tangents = first(shape.corner_tangents);
     view.material = shape.material.empty() ? nullptr : shape.material.data();
+    view.channels = shape.channels.empty() ? nullptr : shape.channels.data();
+    view.channel_count = shape.channel_count;
     view.first_material = first_material;
     const glm::dmat3 linear = glm::dmat3(glm::dmat4(to_world));
     copy_columns(linear, view.to_world);
@@ -262,8 +267,15 @@ std::shared_ptr<const GlossCurves> Solids::curves(const Gloss &gloss) {
     return curves_.get(key, [&] { return gloss_curves(gloss); });
 }
 
+std::shared_ptr<const GlossTable> Solids::table(const Gloss &gloss) {
+    Key key;
+    key.number(gloss.edge, gloss.index, gloss.below, gloss.lossless);
+    return tables_.get(key, [&] { return gloss_table(gloss); });
+}
+
 void Solids::end_round() {
     curves_.end_round();
+    tables_.end_round();
     places_.end_round();
     solids_.end_round();
     parts_.end_round();
@@ -309,19 +321,59 @@ Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> ligh
         const bool sheet = divided.sheet(number) && mesh.visibility.seen == Seen::SHOWN;
         const auto first_material = static_cast<std::int32_t>(properties_.size() / material_row::FLOATS);
         append_rows(mesh.materials, solids, properties_);
+        add_varying(mesh.materials, static_cast<std::size_t>(first_material), solids);
         for (const glm::vec3 &left : mesh.materials.transmittance) {
             transmittances_.insert(transmittances_.end(), {left.x, left.y, left.z});
         }
         tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
+        values_.push_back(mesh.values);
         for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
             if (sheet) {
                 sheet_places_.push_back({mesh.shape, mesh.to_world[i], static_cast<std::uint32_t>(views_.size()),
                                          static_cast<std::uint32_t>(first_material)});
             }
             views_.push_back(view_of(*mesh.shape, mesh.to_world[i], first_material));
+            if (const std::size_t each = mesh.values.size() / mesh.to_world.size(); each > 0) {
+                views_.back().values = values_.back().data() + i * each;
+            }
             views_.back().object_index = i < mesh.index.size() ? static_cast<float>(mesh.index[i]) : 0.0F;
             views_.back().visibility = mesh.visibility;
         }
+    }
+}
+
+void Surfaces::add_varying(const Materials &materials, std::size_t first_row, Solids &solids) {
+    const std::size_t lobes = materials.albedo.empty() ? 0 : materials.gloss.size() / materials.albedo.size();
+    for (std::size_t row = 0; row < materials.patterns.size(); ++row) {
+        const std::shared_ptr<const Pattern> &pattern = materials.patterns[row];
+        if (!pattern) {
+            continue;
+        }
+        Varying varying;
+        varying.pattern = pattern.get();
+        patterns_.push_back(pattern);
+        if (pattern->dims) {
+            dimming_patterns_.push_back(pattern);
+        }
+        for (std::size_t k = 0; k < lobes; ++k) {
+            using namespace pattern_slot;
+            constexpr std::uint64_t ALL = (std::uint64_t{1} << LOBE_SLOTS) - 1;
+            if ((pattern->given >> (FIRST_LOBE + k * LOBE_SLOTS) & ALL) != 0) {
+                const std::shared_ptr<const GlossTable> table = solids.table(materials.gloss[row * lobes + k]);
+                varying.gloss[k] = table.get();
+                patterns_.push_back(table);
+            }
+        }
+        varying_.push_back(varying);
+        properties_[(first_row + row) * material_row::FLOATS + material_row::PATTERN] =
+            static_cast<float>(varying_.size());
+    }
+}
+
+void Surfaces::add_dimming(Key &key) const {
+    key.numbers(std::span<const float>(transmittances_));
+    for (const std::shared_ptr<const Pattern> &each : dimming_patterns_) {
+        key.part(each);
     }
 }
 
@@ -331,7 +383,8 @@ bool Surfaces::dims_greyly() const {
             return false;
         }
     }
-    return true;
+    return std::all_of(dimming_patterns_.begin(), dimming_patterns_.end(),
+                       [](const std::shared_ptr<const Pattern> &pattern) { return pattern->dims_greyly; });
 }
 
 RayScene view_of(const std::shared_ptr<const Places> &places) {
@@ -339,8 +392,9 @@ RayScene view_of(const std::shared_ptr<const Places> &places) {
 }
 
 SurfaceView Surfaces::view() const {
-    return {view_of(all_), view_of(seen_), view_of(sheets_),   view_of(catchers_),
-            plain_,        views_.data(),  properties_.data(), tangents_};
+    return {view_of(all_),      view_of(seen_), view_of(sheets_),
+            view_of(catchers_), plain_,         views_.data(),
+            properties_.data(), tangents_,      varying_.empty() ? nullptr : varying_.data()};
 }
 
 std::optional<Box> Surfaces::bounds() const {

@@ -9,6 +9,7 @@
 #include "solids/surface_view.hpp"
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -64,6 +65,7 @@ public:
     // Of the meshes whose turn it is, under their numbers among all; null where these have no triangles.
     std::shared_ptr<const Places> places(const Divided &all, const std::vector<bool> &which);
     std::shared_ptr<const GlossCurves> curves(const Gloss &gloss);
+    std::shared_ptr<const GlossTable> table(const Gloss &gloss);
     // Of those of the scene's meshes that are opaque in part.
     Kept<Shape> &parts() { return parts_; }
     void end_round();
@@ -81,6 +83,7 @@ private:
     Kept<Solid> solids_;
     Kept<Places> places_;
     Kept<GlossCurves> curves_;
+    Kept<GlossTable> tables_;
 };
 
 RayScene view_of(const std::shared_ptr<const Places> &places);
@@ -106,14 +109,17 @@ public:
     // Of all that stands there; none where nothing does.
     [[nodiscard]] std::optional<Box> bounds() const;
     [[nodiscard]] std::span<const Sheet> sheet_places() const { return sheet_places_; }
-    // Of each material in turn the three colours, where any dims a light; and whether all of these are grey.
-    [[nodiscard]] std::span<const float> transmittances() const { return transmittances_; }
+    // Adds to a key all that dims a light: of each material in turn the three colours, and what of them varies.
+    void add_dimming(Key &key) const;
+    // Whether all of these are grey.
     [[nodiscard]] bool dims_greyly() const;
     // What hides a light from others, and what dims it; null where nothing does.
     [[nodiscard]] std::shared_ptr<const Places> hiding(const Light &light) const;
     [[nodiscard]] std::shared_ptr<const Places> dimming(const Light &light) const;
 
 private:
+    void add_varying(const Materials &materials, std::size_t first_row, Solids &solids);
+
     std::shared_ptr<const Places> all_, seen_, sheets_, catchers_;
     std::map<LightSets, std::shared_ptr<const Places>> hiding_, dimming_; // by Reach::hidden_by
     bool plain_ = true, opaque_ = true;
@@ -121,6 +127,10 @@ private:
     std::vector<Sheet> sheet_places_;
     std::vector<float> properties_; // of materials
     std::vector<float> transmittances_;
+    std::vector<Varying> varying_;                                 // what of materials varies: of these
+    std::vector<std::shared_ptr<const void>> patterns_;            // and the tables of their gloss
+    std::vector<std::shared_ptr<const Pattern>> dimming_patterns_; // those of them that dim a light
+    std::deque<std::vector<float>> values_;                        // of places
     bool tangents_ = false;
 };
 

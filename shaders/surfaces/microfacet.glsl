@@ -143,6 +143,27 @@ Reflection masking_at(Microfacets m, vec3 h, float towards)
   return g;
 }
 
+// Light that leaves facets after further reflections between them, for each unit that the first one lost, of which all
+// could leave (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017): by the means of Fresnel's
+// reflectance and of what is reflected for F = 1.
+float sent_again(float reflectance, float plain)
+{
+  return reflectance * plain / (1.0f - reflectance * (1.0f - plain));
+}
+
+// By what the light of a layer is to be multiplied for that, where `once` is reflected for F = 1.
+float gain_of_again(float again, float once)
+{
+  return 1.0f + again * (1.0f - once) / max(once, TINY);
+}
+
+// What a layer reflects of light from all sides, towards the eye: of what one reflection would send were nothing lost,
+// all that leaves; `f0` straight on, rising by `fresnel` to `edge`.
+float reflected_by_layer(float f0, float edge, float once, float fresnel, float leaves)
+{
+  return (f0 + (1.0f - f0) * edge * fresnel / max(once, TINY)) * leaves;
+}
+
 // The same where the half vector is squash * p.
 Reflection masking(Microfacets m, vec3 p)
 {

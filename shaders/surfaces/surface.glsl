@@ -15,6 +15,15 @@ float diffuse_rim(float to_light, float to_eye, float between, float roughness)
   return pick(roughness < 0.0f, 1.0f, rim);
 }
 
+// The share of diffuse light that is left where a normal is bent, so that it ends softly where the smooth surface turns
+// away from the light: Chiang, Li and Burley, "Taming the shadow terminator", 2019. Cosines of the light to the bent and to
+// the smooth normal, and between these.
+float bent_share(float to_bent, float to_smooth, float between)
+{
+  float g = clamp(to_smooth / max(to_bent * between, 1e-6f), 0.0f, 1.0f);
+  return g * (1.0f + g * (1.0f - g));
+}
+
 // Of a matt surface of V-shaped grooves, over Lambert's: Oren and Nayar, "Generalization of Lambert's reflectance model",
 // 1994, in the form of Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2012, whose albedo
 // Portsmouth, Kutz and Hill ("EON: a practical energy-preserving rough diffuse BRDF", 2025) have in closed form. All
