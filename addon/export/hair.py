@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from .. import compat
 from . import omissions, surfaces
 from .materials import active_output, linked_node, materials_of, value_of
-from .surfaces import Reader
 
 _EUMELANIN = np.array((0.506, 0.841, 1.653))
 _PHEOMELANIN = np.array((0.343, 0.733, 1.924))
@@ -88,6 +87,23 @@ class Look:
     fibre: NDArray[np.float64] | None = None  # (k, 8)
     matt: NDArray[np.float64] | None = None  # (1, 7)
     material: NDArray[np.int64] | None = None  # (m,)
+
+
+class Reader:
+    """What a shader's inputs say, which of hair is the same all over, and what is to be said of it to the artist."""
+
+    def __init__(self, owner: str, notices: list[str]) -> None:
+        self.owner, self.notices = owner, notices
+
+    def say(self, words: str) -> None:
+        self.notices.append(f"{self.owner}: {words}")
+
+    def number(self, shader: Any, name: str, low: float = 0.0, high: float = 1.0) -> float:
+        return float(np.clip(value_of(shader, name, self.owner, self.notices), low, high))
+
+    def colour(self, shader: Any, name: str) -> NDArray[np.float64]:
+        found: NDArray[np.float64] = np.maximum(value_of(shader, name, self.owner, self.notices), 0.0)
+        return found
 
 
 def _fibres(shader: Any, count: int, reader: Reader) -> Look:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat, core
+from . import channels
+from .channels import Channel
 from .parts import Owner, Parts
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -25,19 +29,22 @@ class Triangles:
     normals: NDArray[np.float32] | None  # (n, 3) or (m, 3, 3); None for flat triangles
     material: NDArray[np.int32] | None  # (m,), the slot; None where there is but one
     tangents: NDArray[np.float32] | None  # (m, 3, 3)
+    channels: NDArray[np.float32] | None = None  # (m, 3, k)
 
 
-def mesh_of(thing: Any, slots: int, brushed: bool, depsgraph: Any, parts: Parts) -> Any | None:
-    """The native mesh of an object with so many material slots, with tangents if its gloss is brushed; None without
-    triangles. Raises ValueError for what cannot be shown."""
+def mesh_of(
+    thing: Any, slots: int, brushed: bool, depsgraph: Any, parts: Parts, wanted: tuple[Channel, ...] = ()
+) -> Any | None:
+    """The native mesh of an object with so many material slots, with tangents if its gloss is brushed, and with what
+    patterns want of it; None without triangles. Raises ValueError for what cannot be shown."""
 
     def read() -> tuple[Any, ...] | None:
-        found = triangles_of(thing, slots, brushed)
+        found = triangles_of(thing, slots, brushed, wanted)
         if found is None:
             return None
-        return found.vertices, found.triangles, found.normals, found.material, found.tangents
+        return found.vertices, found.triangles, found.normals, found.material, found.tangents, found.channels
 
-    owner = owner_of(thing, depsgraph, (slots, brushed)) if parts.told else None
+    owner = owner_of(thing, depsgraph, (slots, brushed, wanted)) if parts.told else None
     return parts.part(read, ("mesh",), core.module().Mesh, owner)
 
 
@@ -56,15 +63,26 @@ def owner_of(thing: Any, depsgraph: Any, how: tuple[Any, ...]) -> Owner | None:
     return Owner(addresses, (positions, len(mesh.loops), len(mesh.polygons), view_layer, *how))
 
 
-def triangles_of(thing: Any, slots: int, brushed: bool = False) -> Triangles | None:
+def triangles_of(thing: Any, slots: int, brushed: bool = False, wanted: tuple[Channel, ...] = ()) -> Triangles | None:
     """The triangles of an object, None if it has none."""
+    with _mesh_data(thing) as (mesh, own_copy):
+        return None if mesh is None else _read(mesh, vertices_of(mesh), slots, brushed, own_copy, wanted)
+
+
+def channels_of(thing: Any, names: Iterable[str]) -> tuple[Channel, ...]:
+    """Of what patterns want of an object's mesh, by their names, what it has."""
+    with _mesh_data(thing) as (mesh, _):
+        return () if mesh is None else channels.layout(mesh, names)
+
+
+@contextmanager
+def _mesh_data(thing: Any) -> Iterator[tuple[Any | None, bool]]:
+    """The final mesh of an object, and whether it is a copy that may be changed."""
     if _own_data_will_do(thing):
-        return _read(thing.data, vertices_of(thing.data), slots, brushed)
-    mesh = thing.to_mesh()
-    if mesh is None:
-        return None
+        yield thing.data, False
+        return
     try:
-        return _read(mesh, vertices_of(mesh), slots, brushed, own_copy=True)
+        yield thing.to_mesh(), True
     finally:
         thing.to_mesh_clear()
 
@@ -83,7 +101,12 @@ def vertices_of(mesh: Any) -> NDArray[np.float32]:
 
 
 def _read(
-    mesh: Any, vertices: NDArray[np.float32], slots: int, brushed: bool, own_copy: bool = False
+    mesh: Any,
+    vertices: NDArray[np.float32],
+    slots: int,
+    brushed: bool,
+    own_copy: bool,
+    wanted: tuple[Channel, ...],
 ) -> Triangles | None:
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
@@ -100,7 +123,8 @@ def _read(
         material = np.clip(material, 0, slots - 1)
         material = material if material.any() else None
     tangents = radial_tangents(vertices)[triangles] if brushed else None
-    return Triangles(vertices, triangles, compat.normals(mesh, own_copy), material, tangents)
+    values = channels.read(mesh, wanted, vertices, triangles) if wanted else None
+    return Triangles(vertices, triangles, compat.normals(mesh, own_copy), material, tangents, values)
 
 
 def radial_tangents(vertices: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -118,7 +118,7 @@ def of_hair(names: Iterable[str], depsgraph: Any, over_smoke: bool, notices: lis
 
 def of_pane(name: str, found: list[Any], space: Any, notices: list[str]) -> None:
     """What surfaces that let light through do over Blender's picture, which shows them clear in Material Preview alone."""
-    if space.shading.type == "MATERIAL" and any(surface.transmittance.any() for surface in found):
+    if space.shading.type == "MATERIAL" and any(surface.lets_through for surface in found):
         notices.append(f"{name}: light passes through it, but in Material Preview it hides the smoke behind it")
 
 

@@ -27,6 +27,7 @@ from . import (
     particles,
     smoke,
     surfaces,
+    textures,
     visibility,
     voxels,
     world,
@@ -73,9 +74,14 @@ class _Group:
     reach: dict[int, Reach | None] = field(default_factory=dict)  # of what glows, in each of its places
     volume: air.Even | None = None
     vessel: fog.Vessel | None = None  # what that fills
+    textures: textures.Textures | None = None  # where surfaces vary
+    values: list[tuple[float, ...]] = field(default_factory=list)  # of its places, which these ask for
 
-    def add(self, place: int, thing: Any, flags: visibility.Flags) -> None:
+    def add(self, place: int, instance: Any, flags: visibility.Flags) -> None:
+        thing = instance.object
         self.places.append(place)
+        if self.textures is not None:
+            self.values.append(textures.values_of(instance))
         self.object_indices.append(thing.pass_index)
         if self.triangles is not None:
             self.reach[place] = flags.reach_of(thing)
@@ -173,7 +179,7 @@ def export(
         if key in groups:
             group = groups[key]
             if group is not None:
-                group.add(number, thing, flags)
+                group.add(number, instance, flags)
                 if not lies_over and thing.original.as_pointer() not in said_of:
                     omissions.of_copy(thing, group.triangles is not None, out.notices)
                     said_of.add(thing.original.as_pointer())
@@ -201,9 +207,9 @@ def export(
                 media += [(number, thing.name, medium) for medium in bodies]
                 lit += add_flames(out.scene, bodies, flags.reach_of(thing))
             elif thing.type in meshes.SURFACE_TYPES:
-                groups[key] = group = _group_of(thing, depsgraph, parts, looks, out.notices)
+                groups[key] = group = _group_of(thing, depsgraph, parts, looks, out.notices, origin)
                 if group is not None:
-                    group.add(number, thing, flags)
+                    group.add(number, instance, flags)
                     if lies_over:
                         omissions.of_pane(thing.name, group.surfaces, space, out.notices)
                     else:
@@ -311,14 +317,20 @@ def _group_key(thing: Any) -> tuple[int, int]:
     return 0, data_address
 
 
-def _group_of(thing: Any, depsgraph: Any, parts: Parts, looks: list[str], notices: list[str]) -> _Group | None:
+def _group_of(
+    thing: Any, depsgraph: Any, parts: Parts, looks: list[str], notices: list[str], origin: NDArray[np.float64]
+) -> _Group | None:
     """The surfaces of an object and what fills it, without a place as yet; None where it has neither. Of surfaces is said
     what they look like."""
     said: list[str] = []
-    found = surfaces.surfaces(thing, depsgraph, said)
+    found = surfaces.surfaces(thing, depsgraph, said, textures.readers(thing.name, parts, said))
     volume = fog.volume_of(thing, depsgraph, notices)
     vessel = None if volume is None else fog.vessel_of(thing, depsgraph, parts)
-    mesh = None if found is None else meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts)
+    made = None if found is None else textures.textures_of(thing, found, parts, origin, said)
+    mesh = None
+    if found is not None:
+        wanted = () if made is None else made.channels
+        mesh = meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts, wanted)
     if mesh is None:  # as of what nodes make points of
         found = None
     if found is None and vessel is None:
@@ -328,12 +340,12 @@ def _group_of(thing: Any, depsgraph: Any, parts: Parts, looks: list[str], notice
     if found is None:
         return _Group(thing.name, None, [], None, [], volume=volume, vessel=vessel)
     looks += said
-    glows = any(surface.emission.any() for surface in found)
+    glows = any(surface.glows for surface in found)
     shown = materials.materials_of(thing, depsgraph)
     indices = [material.pass_index if material else 0 for material in shown] or [0]
     lamps = meshes.triangles_of(thing, len(found)) if glows else None
     volume = None if vessel is None else volume
-    return _Group(thing.name, mesh, found, lamps, indices, volume=volume, vessel=vessel)
+    return _Group(thing.name, mesh, found, lamps, indices, volume=volume, vessel=vessel, textures=made)
 
 
 def _usable(
@@ -386,7 +398,8 @@ def add_surfaces(
     indices = np.array([group.object_indices[number] for number in which], dtype=np.float64)[usable]
     emission = np.array([surface.emission for surface in group.surfaces])
     transmittance = surfaces.transmittances(group.surfaces)
-    if transmittance is not None and seen is not None and seen.seen in _WHOLE:
+    values = np.array([group.values[number] for number in which])[usable] if group.textures is not None else None
+    if any(surface.lets_through for surface in group.surfaces) and seen is not None and seen.seen in _WHOLE:
         out.notices.append(f"{group.name}: it lets light through, but is {_WHOLE[seen.seen]} as if it did not")
     try:
         out.scene.add_instances(
@@ -400,6 +413,8 @@ def add_surfaces(
             material_index=np.array(group.material_indices, dtype=np.float64),
             visibility=visibility.native(seen),
             transmittance=transmittance,
+            patterns=[] if group.textures is None else group.textures.patterns,
+            values=values,
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")
@@ -407,11 +422,13 @@ def add_surfaces(
     read = group.triangles
     if read is None or reach is None:
         return 0
-    radiance = emission[0 if read.material is None else read.material]
+    rows = np.zeros(len(read.triangles), np.int32) if read.material is None else read.material
     lit = 0
-    for matrix in places:
+    for number, matrix in enumerate(places):
         corners = (read.vertices @ matrix[:3, :3].T + matrix[:3, 3])[read.triangles]
-        each = np.broadcast_to(radiance, (len(corners), 3))
+        each = emission[rows]
+        if group.textures is not None and values is not None:
+            group.textures.add_emission(group.mesh, rows, matrix, values[number], each)
         lit += lights.add_emitters(out.scene, corners, each, group.name, out.notices, reach)
     return lit
 

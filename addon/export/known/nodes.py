@@ -6,7 +6,6 @@ from __future__ import annotations
 from . import Node, Socket
 
 _WEIGHT = "hidden, and read by nobody"
-_NORMAL = Socket("Normal", (), "the surface is as its mesh is")
 
 _PHASES = {
     "details of other phase functions than Henyey-Greenstein's, which are named as a whole": (
@@ -17,11 +16,10 @@ _PHASES = {
 FOLLOWED = (
     Node(
         "ShaderNodeBsdfPrincipled",
-        ("Base Color", "Metallic", "Roughness", "Diffuse Roughness", "Anisotropic", "Anisotropic Rotation", "Specular",
+        ("Base Color", "Normal", "Metallic", "Roughness", "Diffuse Roughness", "Anisotropic", "Anisotropic Rotation", "Specular",
          "IOR", "Specular IOR Level", "Specular Tint", "Coat Weight", "Coat Roughness", "Coat IOR", "Emission",
          "Emission Color", "Emission Strength", "Alpha", "distribution"),
         (
-            _NORMAL,
             Socket("Coat Normal", (), "the coat is as the surface is", unless=("Coat Weight", 0.0)),
             Socket("Subsurface", (0.0,), "it is diffuse"),
             Socket("Subsurface Weight", (0.0,), "it is diffuse"),
@@ -48,12 +46,12 @@ FOLLOWED = (
             _WEIGHT: ("Weight",),
         },
     ),
-    Node("ShaderNodeBsdfDiffuse", ("Color", "Roughness"), (_NORMAL,), idle={_WEIGHT: ("Weight",)}),
-    Node("ShaderNodeBsdfGlossy", ("Color", "Roughness", "distribution"), (_NORMAL,), idle={_WEIGHT: ("Weight",)}),
+    Node("ShaderNodeBsdfDiffuse", ("Color", "Roughness", "Normal"), idle={_WEIGHT: ("Weight",)}),
+    Node("ShaderNodeBsdfGlossy", ("Color", "Roughness", "distribution", "Normal"), idle={_WEIGHT: ("Weight",)}),
     Node(
         "ShaderNodeBsdfAnisotropic",
-        ("Color", "Roughness", "Anisotropy", "Rotation", "distribution"),
-        (_NORMAL, Socket("Tangent", (), "it runs around the object's Z axis", unless=("Anisotropy", 0.0))),
+        ("Color", "Roughness", "Anisotropy", "Rotation", "distribution", "Normal"),
+        (Socket("Tangent", (), "it runs around the object's Z axis", unless=("Anisotropy", 0.0)),),
         idle={_WEIGHT: ("Weight",)},
     ),
     Node("ShaderNodeBsdfTransparent", ("Color",), idle={_WEIGHT: ("Weight",)}),
@@ -102,19 +100,24 @@ FOLLOWED = (
 # What becomes of the others, and their names without "ShaderNode".
 SURFACES = (
     "BsdfGlass BsdfHair BsdfMetallic BsdfRayPortal BsdfRefraction BsdfSheen BsdfToon "
-    "BsdfTranslucent BsdfVelvet Group Holdout Script SubsurfaceScattering"
+    "BsdfTranslucent BsdfVelvet Holdout Script SubsurfaceScattering"
 )
-IN_WORLDS = "LightPath Mapping NewGeometry TexCoord TexEnvironment TexGradient TexSky VectorMath"
-IN_VOLUMES = (
-    "Attribute Blackbody BrightContrast Clamp CombineColor CombineHSV CombineRGB CombineXYZ Gamma HueSaturation Invert "
-    "MapRange Math Mix MixRGB RGBToBW SeparateColor SeparateHSV SeparateRGB SeparateXYZ ValToRGB VolumeInfo"
+EVERYWHERE = (
+    "Attribute Blackbody BrightContrast Clamp CombineColor CombineHSV CombineRGB CombineXYZ Gamma Group HueSaturation "
+    "Invert MapRange Math Mix MixRGB RGBToBW SeparateColor SeparateHSV SeparateRGB SeparateXYZ ValToRGB"
 )
+OUTSIDE_VOLUMES = (
+    "Mapping NewGeometry TexBrick TexChecker TexCoord TexGradient TexMagic TexMusgrave TexNoise TexVoronoi TexWave "
+    "TexWhiteNoise VectorMath"
+)
+ON_SURFACES = "Bump Fresnel LayerWeight NormalMap ObjectInfo TexImage UVMap VertexColor"
+IN_WORLDS = "LightPath TexEnvironment TexSky"
+IN_VOLUMES = "VolumeInfo"
 VALUES = (
-    "AmbientOcclusion Bevel Bump CameraData Displacement FloatCurve Fresnel HairInfo LayerWeight LightFalloff "
-    "Normal NormalMap ObjectInfo ParticleInfo PointInfo RGBCurve RadialTiling Raycast Squeeze Tangent "
-    "TexBrick TexChecker TexGabor TexIES TexImage TexMagic TexMusgrave TexNoise "
-    "TexPointDensity TexVoronoi TexWave TexWhiteNoise UVMap VectorCurve VectorDisplacement VectorRotate "
-    "VectorTransform VertexColor Wavelength Wireframe"
+    "AmbientOcclusion Bevel CameraData Displacement FloatCurve HairInfo LightFalloff "
+    "Normal ParticleInfo PointInfo RGBCurve RadialTiling Raycast Squeeze Tangent "
+    "TexGabor TexIES TexPointDensity VectorCurve VectorDisplacement VectorRotate "
+    "VectorTransform Wavelength Wireframe"
 )
 NOT_IN_CYCLES = (
     "EeveeSpecular LightAccumulation LightEvaluation LightInfo LightIterInternalInput LightIterInternalOutput "
@@ -123,9 +126,13 @@ NOT_IN_CYCLES = (
 PASSES = "OutputAOV"
 OTHERS = {
     "surfaces, named, and shown as diffuse in the material's viewport color": SURFACES,
-    "followed in volumes, by what grids hold in each cell, and in worlds, by the direction, as are groups; elsewhere the link "
-    "from them is named, and the input's own value used": IN_VOLUMES,
+    "followed on surfaces; in volumes, by what grids hold in each cell; and in worlds, by the direction": EVERYWHERE,
+    "followed on surfaces and in worlds; elsewhere the link from them is named, and the input's own value used": (
+        OUTSIDE_VOLUMES
+    ),
+    "followed on surfaces; elsewhere the link from them is named, and the input's own value used": ON_SURFACES,
     "followed in worlds; elsewhere the link from them is named, and the input's own value used": IN_WORLDS,
+    "followed in volumes; elsewhere the link from them is named, and the input's own value used": IN_VOLUMES,
     "values and colors: the link from them is named, and the input's own value used": VALUES,
     "AOVs, which the view layer names": PASSES,
     "not there in Cycles": NOT_IN_CYCLES,

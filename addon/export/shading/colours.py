@@ -128,6 +128,23 @@ def _fire(kelvin: Array, intensity: Array, tint: Array) -> Array:
     return found
 
 
+_ARITHMETIC: dict[str, Callable[..., Any]] = {
+    "add": lambda a, b: a + b,
+    "subtract": lambda a, b: a - b,
+    "multiply": lambda a, b: a * b,
+    "divide": lambda a, b: _ratio(a, b),
+    "minimum": np.minimum,
+    "maximum": np.maximum,
+}
+
+
+def _calculated(name: str, a: Array, b: Array) -> Array:
+    """Of a number and a colour, with each of its parts."""
+    a, b = (each[:, None] if each.ndim < other.ndim else each for each, other in ((a, b), (b, a)))
+    found: Array = _ARITHMETIC[name](a, b)
+    return found
+
+
 OPERATIONS: dict[str, Callable[..., Any]] = {
     "grey": lambda rgb: rgb @ np.array(_LUMINANCE),
     "mean": lambda vector: vector.mean(axis=1),
@@ -142,6 +159,9 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     ),
     "black body": blackbody,
     "fire": _fire,
+    "arithmetic": _calculated,
+    "weighted": lambda weights, rgb: rgb @ np.array(weights),
+    "over or one": lambda rgb, number: np.where(number[:, None] > 0.0, _ratio(rgb, number[:, None]), 1.0),
     "scaled": lambda number, rgb: number[:, None] * rgb,
     "each": lambda name, *values: _EACH[name](*values),
 }

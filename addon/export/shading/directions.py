@@ -169,7 +169,68 @@ _VECTOR_MATH: dict[str, Callable[..., Any]] = {
 OF_VECTORS = frozenset(_VECTOR_MATH)
 
 
+def _moved(matrix: tuple[float, ...], v: Array) -> Array:
+    """By the first three rows of a matrix."""
+    rows = [matrix[0:4], matrix[4:8], matrix[8:12]]
+    return np.stack([v[:, 0] * x + v[:, 1] * y + v[:, 2] * z + w for x, y, z, w in rows], axis=1)
+
+
+def _wrapped(sphere: bool, v: Array) -> Array:
+    """Where a point of a cube from 0 to 1 lies on a picture around a sphere in its middle, or around an upright tube."""
+    x, y, z = (2.0 * v - 1.0).T
+    u = 0.5 - np.arctan2(x, y) / (2.0 * np.pi)
+    up = 1.0 - np.arctan2(np.sqrt(x * x + y * y), z) / np.pi if sphere else 0.5 * (z + 1.0)
+    return np.stack((u, up, 0.0 * u), axis=1)
+
+
+def _side_of_box(axis: int, v: Array, normal: Array) -> Array:
+    """Where a point lies on the picture on that side of a box that a normal faces, mirrored on none."""
+    across, up = ((1, 2), (0, 2), (1, 0))[axis]
+    turned = normal[:, axis] < 0.0 if axis == 0 else normal[:, axis] > 0.0
+    return np.stack((np.where(turned, 1.0 - v[:, across], v[:, across]), v[:, up], 0.0 * v[:, up]), axis=1)
+
+
+def _sides_of_box(blend: float, normal: Array) -> Array:
+    """How much of the picture on each pair of a box's sides is seen: of two sides between which a normal lies one alone
+    where its share of both is above (1 + blend) / 2."""
+    size = np.abs(normal)
+    size = size / np.maximum(np.sum(size, axis=1), 1e-12)[:, None]
+    x, y, z = size.T
+    limit = 0.5 * (1.0 + blend)
+
+    def alone(a: Array, b: Array, c: Array) -> Any:
+        return (a > limit * (a + b)) & (a > limit * (a + c))
+
+    def between(a: Array, b: Array) -> Array:
+        share = _divided(a, a + b)
+        return np.clip((share - 0.5 * (1.0 - blend)) / max(blend, 1e-6), 0.0, 1.0)
+
+    one, none = 0.0 * x + 1.0, 0.0 * x
+    if blend > 0.0:
+        found = [((2.0 - limit) * a + (limit - 1.0)) / (2.0 * limit - 1.0) for a in (x, y, z)]
+        pairs = (
+            (y < (1.0 - limit) * (x + z), between(x, z), (0, 2)),
+            (x < (1.0 - limit) * (y + z), between(y, z), (1, 2)),
+            (z < (1.0 - limit) * (x + y), between(x, y), (0, 1)),
+        )
+        for lies, share, (first, second) in pairs:
+            of_pair = [none, none, none]
+            of_pair[first], of_pair[second] = share, 1.0 - share
+            found = [np.where(lies, a, b) for a, b in zip(of_pair, found)]
+    else:
+        found = [one, none, none]
+    for lies, k in ((alone(z, x, y), 2), (alone(y, x, z), 1), (alone(x, y, z), 0)):
+        found = [np.where(lies, one if i == k else none, old) for i, old in enumerate(found)]
+    return np.stack(found, axis=1)
+
+
 OPERATIONS: dict[str, Callable[..., Any]] = {
+    "wrapped": _wrapped,
+    "side of a box": _side_of_box,
+    "sides of a box": _sides_of_box,
+    "moved": _moved,
+    "unit": normalised,
+    "mirrored": lambda v, normal: 2.0 * _dot(v, normal)[:, None] * normal - v,
     "mapping": _mapped,
     "gradient": _gradient,
     "environment": _environment,

@@ -57,10 +57,13 @@ class Reader:
             raise ValueError(f"{place.node.bl_rna.name} has no input '{identifier}'")
         return self.of_socket(place, socket)
 
-    def of_socket(self, place: Place, socket: Any) -> Field:
+    def of_socket(self, place: Place, socket: Any, unlinked: Field | None = None) -> Field:
+        """What an input is in space; `unlinked` where nothing is linked to it, or else its own value."""
         source = self.source(place, socket)
         if source is None:
-            return own_value(socket)
+            return own_value(socket) if unlinked is None else unlinked
+        if not source.socket.is_output and unlinked is not None and source.socket.hide_value:
+            return unlinked
         if not source.socket.is_output:
             if source.place.node.mute:
                 nothing = converted(fields.constant(0.0), "VALUE", socket.type)
@@ -70,7 +73,7 @@ class Reader:
             return converted(self.of_source(source), source.socket.type, socket.type)
         except NotFollowed:
             self._name(place, socket, source.place.node)
-            return own_value(socket)
+            return own_value(socket) if unlinked is None else unlinked
 
     def of_source(self, source: Source) -> Field:
         """What a node's output is in space. Raises NotFollowed, also for one that asks for itself."""
@@ -133,9 +136,9 @@ class Reader:
 
     def _name(self, place: Place, socket: Any, source: Any) -> None:
         """One that goes deeper is told from the shader's own by the node that it goes into."""
-        own = "PRINCIPLED_VOLUME VOLUME_SCATTER VOLUME_ABSORPTION VOLUME_COEFFICIENTS EMISSION BACKGROUND".split()
-        into = f"'{socket.name}'" if place.node.type in own else f"{place.node.bl_rna.name}'s '{socket.name}'"
-        if place.node.type in own:
+        own = place.node.type in _SHADERS or place.node.type.startswith("BSDF_")
+        into = f"'{socket.name}'" if own else f"{place.node.bl_rna.name}'s '{socket.name}'"
+        if own or not hasattr(socket, "default_value") or socket.hide_value:
             self.say(f"the link into {into} is not followed; its own value is used")
         else:
             self.say(
@@ -147,6 +150,10 @@ def _key(place: Place, socket: Any) -> tuple[int, ...]:
     return (*(group.as_pointer() for group in place.groups), socket.as_pointer())
 
 
+# Whose inputs are an owner's own.
+_SHADERS = set(
+    "PRINCIPLED_VOLUME VOLUME_SCATTER VOLUME_ABSORPTION VOLUME_COEFFICIENTS EMISSION BACKGROUND MIX_SHADER".split()
+)
 # Whose inputs hand on their own values where nothing is linked to them.
 _GROUPS = {"GROUP", "GROUP_OUTPUT"}
 

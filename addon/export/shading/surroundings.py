@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from . import fields
+from . import fields, textures_of_nodes
 from .directions import OF_VECTORS
 from .fields import Field
 from .reading import NotFollowed, Place, Reader
@@ -59,7 +59,7 @@ def _geometry(_: Reader, __: Place, output: Any) -> Field:
     raise NotFollowed
 
 
-def _mapping(reader: Reader, place: Place, _: Any) -> Field:
+def mapping(reader: Reader, place: Place, _: Any) -> Field:
     inputs = [reader.of_socket(place, place.node.inputs["Vector"])]
     unit = {"Location": (0.0, 0.0, 0.0), "Rotation": (0.0, 0.0, 0.0), "Scale": (1.0, 1.0, 1.0)}
     for name, absent in unit.items():
@@ -68,17 +68,12 @@ def _mapping(reader: Reader, place: Place, _: Any) -> Field:
     return fields.of("mapping", *inputs, settings=(place.node.vector_type,))
 
 
-def _vector_math(reader: Reader, place: Place, _: Any) -> Field:
+def vector_math(reader: Reader, place: Place, _: Any) -> Field:
     node = place.node
     if node.operation not in OF_VECTORS:
         raise NotFollowed
     inputs = [reader.of_socket(place, socket) for socket in node.inputs]
     return fields.of("vector math", *inputs, settings=(node.operation,))
-
-
-def _gradient(reader: Reader, place: Place, output: Any) -> Field:
-    found = fields.of("gradient", _vector(reader, place), settings=(place.node.gradient_type,))
-    return fields.of("spread", found) if output.identifier == "Color" else found
 
 
 def _sky(reader: Reader, place: Place, _: Any) -> Field:
@@ -100,9 +95,9 @@ def _light_path(_: Reader, __: Place, output: Any) -> Field:
 _READ: dict[str, Callable[[Reader, Place, Any], Field]] = {
     "TEX_COORD": _coordinates,
     "NEW_GEOMETRY": _geometry,
-    "MAPPING": _mapping,
-    "VECT_MATH": _vector_math,
-    "TEX_GRADIENT": _gradient,
+    "MAPPING": mapping,
+    "VECT_MATH": vector_math,
+    **textures_of_nodes.readers(lambda _, __: _direction()),
     "TEX_SKY": _sky,
     "LIGHT_PATH": _light_path,
 }

@@ -76,11 +76,11 @@ def with_node(name: str) -> tuple[Stage, Any, str]:
     return stage, shader, owner.name
 
 
-def link_noise(node: Any, socket: Any) -> None:
+def link_unknown(node: Any, socket: Any) -> None:
     """Into a socket comes what no export can know."""
     tree = node.id_data
     volume = socket.type == "SHADER"
-    source = tree.nodes.new("ShaderNodeVolumeScatter" if volume else "ShaderNodeTexNoise")
+    source = tree.nodes.new("ShaderNodeVolumeScatter" if volume else "ShaderNodeAmbientOcclusion")
     tree.links.new(source.outputs[0], socket)
 
 
@@ -120,7 +120,7 @@ def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
                     found.default_value = (0.375, 0.5, 0.625, 1.0)
                 wrong.append(stage.not_heard_once(before, f"{owner}: ", node.bl_rna.name, socket.name, value))
                 found.default_value = kept
-            link_noise(node, found)
+            link_unknown(node, found)
             wrong.append(stage.not_heard_once(before, f"{owner}: ", socket.name, "link"))
         for name in table.followed:
             if (
@@ -136,7 +136,7 @@ def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
                 if hasattr(node, "parametrization"):
                     node.parametrization = "COLOR" if name == "Color" else "MELANIN"
                 before = stage.exported()
-                link_noise(node, node.inputs[name])
+                link_unknown(node, node.inputs[name])
                 wrong.append(stage.not_heard_once(before, f"{owner}: ", name, "link"))
     assert not any(wrong), "\n".join(filter(None, wrong))
 
@@ -147,13 +147,17 @@ def test_nodes_that_are_not_followed_are_named_where_they_are_used() -> None:
         nodes.SURFACES: ("Floor", "Surface"),
         "Holdout": ("Smoke", "Volume"),
         nodes.IN_VOLUMES: ("Floor", "Base Color"),
+        nodes.IN_WORLDS: ("Floor", "Base Color"),
+        nodes.ON_SURFACES: ("Smoke", "Color"),
+        nodes.OUTSIDE_VOLUMES: ("Smoke", "Color"),
         nodes.VALUES: ("Floor", "Base Color"),
     }
     for names, (owner, into) in cases.items():
         stage = Stage()
         shader = stage.smoke_shader if owner == "Smoke" else stage.floor_shader
         tree = shader.id_data
-        socket = (shader if into == "Base Color" else tree.nodes["Material Output"]).inputs[into]
+        own = into in {"Base Color", "Color"}
+        socket = (shader if own else tree.nodes["Material Output"]).inputs[into]
         source = socket.links[0].from_socket if socket.is_linked else None
         before = stage.exported()
         for name in names.split():
@@ -164,7 +168,7 @@ def test_nodes_that_are_not_followed_are_named_where_they_are_used() -> None:
             if name == "Group":
                 node.node_tree = group()
             tree.links.new(node.outputs[0], socket)
-            wrong.append(stage.not_heard_once(before, f"{owner}: ", into if into == "Base Color" else "shown"))
+            wrong.append(stage.not_heard_once(before, f"{owner}: ", into if own else "shown"))
             tree.nodes.remove(node)
             if source is not None:
                 tree.links.new(source, socket)
