@@ -33,7 +33,7 @@ class Graph:
         self.tree = self.material.node_tree
         self.shader = self.tree.nodes["Principled BSDF"]
 
-    def node(self, kind: str, inputs: dict[str, Any] | None = None, **settings: Any) -> Any:
+    def node(self, kind: str, inputs: dict[Any, Any] | None = None, **settings: Any) -> Any:
         made = self.tree.nodes.new(f"ShaderNode{kind}")
         for name, value in settings.items():
             setattr(made, name, value)

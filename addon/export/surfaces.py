@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import compat
 from . import omissions
-from .materials import active_output, linked_node, materials_of
+from .materials import active_output, materials_of
 from .shading import fields, places
 from .shading.fields import Field
 from .shading.reading import Place, Reader, Source

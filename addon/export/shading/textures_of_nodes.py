@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
 from ... import compat
 from . import fields
 from .fields import Field
-from .reading import NotFollowed, Place, Reader
+from .reading import Place, Reader
 
 Vector = Callable[[Reader, Place], Field]  # a texture's own, where nothing is linked
 Readers = dict[str, Callable[[Reader, Place, Any], Field]]
