@@ -83,7 +83,7 @@ class Textures:
     def add_emission(
         self, mesh: Any, rows: NDArray[np.int32], matrix: NDArray[np.float64], values: Any, out: NDArray[np.float64]
     ) -> None:
-        """What the triangles of materials `rows` emit in their middles: (m, 3) in place of what is usual."""
+        """What the triangles of materials `rows` emit on the average: (m, 3) in place of what is usual."""
         for number, pattern in self.emission.items():
             which = np.flatnonzero(rows == number)
             if len(which) > MOST_GLOWING:  # which light nothing

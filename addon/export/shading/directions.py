@@ -140,7 +140,7 @@ def _cross(a: Array, b: Array) -> Array:
     return found
 
 
-def _dot(a: Array, b: Array) -> Array:
+def dot(a: Array, b: Array) -> Array:
     found: Array = np.sum(a * b, axis=1)
     return found
 
@@ -152,7 +152,7 @@ _VECTOR_MATH: dict[str, Callable[..., Any]] = {
     "DIVIDE": lambda a, b, *_: _divided(a, b),
     "MULTIPLY_ADD": lambda a, b, c, *_: a * b + c,
     "CROSS_PRODUCT": lambda a, b, *_: _cross(a, b),
-    "DOT_PRODUCT": lambda a, b, *_: _dot(a, b),
+    "DOT_PRODUCT": lambda a, b, *_: dot(a, b),
     "DISTANCE": lambda a, b, *_: np.linalg.norm(a - b, axis=1),
     "LENGTH": lambda a, *_: np.linalg.norm(a, axis=1),
     "SCALE": lambda a, _b, _c, scale: a * scale[:, None],
@@ -230,7 +230,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "sides of a box": _sides_of_box,
     "moved": _moved,
     "unit": normalised,
-    "mirrored": lambda v, normal: 2.0 * _dot(v, normal)[:, None] * normal - v,
+    "mirrored": lambda v, normal: 2.0 * dot(v, normal)[:, None] * normal - v,
     "mapping": _mapped,
     "gradient": _gradient,
     "environment": _environment,

@@ -9,21 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .directions import normalised
+from .directions import dot, normalised
 
 Array = NDArray[np.float64]
-
-
-def _dot(a: Array, b: Array) -> Array:
-    found: Array = np.sum(a * b, axis=1)
-    return found
 
 
 def _fresnel(index: Array, normal: Array, incoming: Array, back: Array) -> Array:
     """Of a dielectric, unpolarised (Fresnel 1823); from inside by one over its index."""
     n = np.maximum(index, 1e-5)
     n = np.where(back > 0.0, 1.0 / n, n)
-    c = np.abs(_dot(normal, incoming))
+    c = np.abs(dot(normal, incoming))
     rest = n * n - 1.0 + c * c
     g = np.sqrt(np.maximum(rest, 0.0))
     a = (g - c) / (g + c)
@@ -32,7 +27,7 @@ def _fresnel(index: Array, normal: Array, incoming: Array, back: Array) -> Array
 
 
 def _facing(blend: Array, normal: Array, incoming: Array) -> Array:
-    facing = np.abs(_dot(normal, incoming))
+    facing = np.abs(dot(normal, incoming))
     b = np.clip(blend, 0.0, 1.0 - 1e-5)
     power = np.where(b < 0.5, 2.0 * b, 0.5 / (1.0 - b))
     found: Array = 1.0 - np.where(blend != 0.5, np.power(facing, power), facing)
@@ -49,7 +44,7 @@ def _normal_to_world(v: Array, x: Array, y: Array, z: Array) -> Array:
     a: Any = np.cross(y, z)
     b: Any = np.cross(z, x)
     c: Any = np.cross(x, y)
-    side = np.where(_dot(x, a) < 0.0, -1.0, 1.0)
+    side = np.where(dot(x, a) < 0.0, -1.0, 1.0)
     found: Array = (v[:, :1] * a + v[:, 1:2] * b + v[:, 2:3] * c) * side[:, None]
     return found
 
@@ -70,7 +65,7 @@ def _normal_map(
     across = np.cross(front, tangent) * sign[:, None]
     v = 2.0 * colour - 1.0
     bent = normalised(_normal_to_world(v[:, :1] * tangent + v[:, 1:2] * across + v[:, 2:3] * front, *columns)) * side
-    return np.where((_dot(tangent, tangent) > 0.0)[:, None], _toward(bent, strength, normal), normal)
+    return np.where((dot(tangent, tangent) > 0.0)[:, None], _toward(bent, strength, normal), normal)
 
 
 def _normal_of_colour(space: str, colour: Array, strength: Array, normal: Array, back: Array, *columns: Array) -> Array:
@@ -92,7 +87,7 @@ def bumped(
     2010, eq 4), metres, and these steps."""
     along, across = steps
     r_along, r_across = np.cross(across, normal), np.cross(normal, along)
-    area = _dot(along, r_along)
+    area = dot(along, r_along)
     slope = (heights[1] - heights[0])[:, None] * r_along + (heights[2] - heights[0])[:, None] * r_across
     turned = np.abs(area)[:, None] * normal - (distance * np.sign(area))[:, None] * slope
     bent = normalised(turned)
@@ -109,8 +104,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "normal of colour": _normal_of_colour,
     # Of cells without neighbours.
     "bump": lambda height, strength, distance, normal, position: normal,
-    # Of pictures, their means.
-    # Nor is there a place on pictures.
+    # Where there is no place on pictures.
     "image's colour": lambda *_: np.full((1, 3), 0.5),
     "image's alpha": lambda *_: np.ones(1),
 }
