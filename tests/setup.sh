@@ -91,6 +91,8 @@ use_built_addon() {
 
 # Counts, added up over everything that ran.
 passed=0 failed=0 skipped=0
+# What failed, and the lines that say why: repeated before the totals, since the beginning of a long log is seldom read.
+failures=
 
 # number WHAT LINE: the number before WHAT. count LINE: add what the line says passed, failed and was skipped.
 number() { { grep -oE "[0-9]+ ($1)" <<<"$2" || echo 0; } | awk '{ n += $1 } END { print n }'; }
@@ -120,12 +122,20 @@ run_counted() {
     running=
     wait "$tee"
     line=$(result_line "$log")
+    local before=$failed
     count "$line"
     if [[ ! $line =~ [1-9][0-9]*\ (passed|failed|skipped|error) ]] || ((status && $(number 'failed|error' "$line") == 0)); then
         ((status != 124)) || echo "$name: stopped after $limit s"
         echo "$name: ended with status $status; this counts as one failure"
         failed=$((failed + 1))
     fi
+    ((failed == before)) || failures+=$'\n'"In $name:"$'\n'$(failures_in "$log")$'\n'
+}
+
+# Of a log, what its own summary repeats of failed tests; else the lines that name them, and those before.
+failures_in() {
+    sed -n '1,/^== failed$/d; /^[0-9]* passed, /d; /./p' "$1" | grep . && return
+    grep -aE -B 9 '^(failed test_|FAILED |\[  FAILED  \] \w+\.)' "$1" | cut -c 1-200 | tail -n 60 || true
 }
 
 # The totals in a log: our own last line, or GoogleTest's "[  PASSED  ] 3 tests." as "3 passed", or pytest's last line.
@@ -137,8 +147,9 @@ result_line() {
     grep -E '[0-9]+ (passed|failed|skipped|errors?)' "$1" | tail -n 1 || true
 }
 
-# The last line of every script that tests, and its exit status.
+# The last lines of every script that tests, and its exit status.
 summary() {
+    [[ ! $failures ]] || printf '\n== failed\n%s' "$failures"
     printf '\n%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
     ((failed == 0 && passed > 0))
 }

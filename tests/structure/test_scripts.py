@@ -67,3 +67,27 @@ def test_a_pattern_runs_what_matches() -> None:
     assert "== camera_test" in done.stdout and "== python" not in done.stdout
     passed = done.stdout.splitlines()[-1]
     assert passed.endswith("passed, 0 failed, 0 skipped") and int(passed.partition(" ")[0]) > 1
+
+
+# Rounds within rounds: one of three tests fails in the inner one, with its reason.
+ROUNDS = """
+source tests/setup.sh
+build=$1/${2-outer}
+inner() { printf 'passed test_a (0.1 s)\\nValueError: the reason\\nfailed test_b (0.1 s)\\n1 passed, 1 failed, 0 skipped\\n'; return 1; }
+middle() { run_counted inner 60 bash "$0" "$build" inner; summary; }
+if [[ ${2-} ]]; then "$2"; exit; fi
+run_counted middle 60 bash "$0" "$1" middle
+summary
+"""
+
+
+def test_what_failed_is_named_once_more_at_the_end(tmp_path: Path) -> None:
+    script = tmp_path / "rounds.sh"
+    script.write_text(ROUNDS, encoding="utf-8")
+    command = ["bash", str(script), str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    end = done.stdout.split("== failed\n")[-1].splitlines()
+    assert end[-1] == "1 passed, 1 failed, 0 skipped"
+    assert [line for line in end if line.startswith("In ")] == ["In middle:", "In inner:"]
+    assert end.count("failed test_b (0.1 s)") == end.count("ValueError: the reason") == 1
