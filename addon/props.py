@@ -58,6 +58,17 @@ class SfumatoSettings(bpy.types.PropertyGroup):
         items=tuple((name, *words) for name, words in sorting.WAYS.items()),
         default=sorting.AUTO,
     )
+    reflections: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Reflections",
+        description="Gloss shows the surfaces around it, as they are in the light of lamps and the world, where Cycles' "
+        "Light Paths have Glossy bounces",
+        default=True,
+    )
+    bounced_light: bpy.props.BoolProperty(  # type: ignore[valid-type]
+        name="Bounced Light",
+        description="Surfaces light each other, as often as Cycles' Light Paths have Diffuse bounces",
+        default=False,
+    )
     missing_is_error: bpy.props.BoolProperty(  # type: ignore[valid-type]
         name="Stop at Missing Smoke",
         description="In renders without a window, a cache or a file that is missing at a frame is an error: the render "

@@ -114,6 +114,9 @@ class SfumatoViewportPanel(bpy.types.Panel):
         layout.prop(settings, "viewport_enabled")
         layout.prop(settings, "quality")
         layout.prop(settings, "sorting")
+        if context.scene.render.engine == ENGINE:
+            layout.prop(settings, "reflections")
+            layout.prop(settings, "bounced_light")
         if way := painter.sorted_by():
             draw_wrapped(layout, f"While the view moves: {way}", context.region.width, "INFO")
         if context.scene.render.engine != ENGINE:

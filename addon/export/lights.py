@@ -126,28 +126,17 @@ def right_angled(
 MOST_POLYGONS = 16
 
 
-def add_emitters(
-    scene: Any,
-    corners: NDArray[np.float64],
-    radiance: NDArray[np.float64],
-    name: str,
-    notices: list[str],
-    reach: Reach,
-) -> int:
-    """Light from triangles (n, 3, 3) that emit (n, 3), on both sides. Returns how many lights they make.
-
-    What has too many faces is seen to glow, but lights nothing; a notice says so.
-    """
+def emitters(
+    corners: NDArray[np.float64], radiance: NDArray[np.float64]
+) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]] | None:
+    """Of triangles (n, 3, 3) that emit (n, 3), on both sides, the polygons that are lights, and what these emit; None where
+    too many faces emit for that."""
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     glowing = radiance.any(axis=1) & (area > 1e-12)
-    few = int(glowing.sum()) <= 2 * MOST_POLYGONS
-    polygons = polygons_of(corners[glowing], radiance[glowing]) if few else []
-    if not few or len(polygons) > MOST_POLYGONS:
-        notices.append(f"{name}: it emits, but lights nothing: more than {MOST_POLYGONS} of its faces do")
-        return 0
-    for polygon, colour in polygons:
-        scene.add_polygon(polygon, colour, reach=visibility.native(reach))
-    return len(polygons)
+    if int(glowing.sum()) > 2 * MOST_POLYGONS:
+        return None
+    polygons = polygons_of(corners[glowing], radiance[glowing])
+    return polygons if len(polygons) <= MOST_POLYGONS else None
 
 
 def polygons_of(

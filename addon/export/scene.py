@@ -18,6 +18,7 @@ from .. import compat, core, log, props
 from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
 from . import (
     air,
+    bounces,
     fog,
     hair,
     lights,
@@ -44,6 +45,7 @@ class Export:
     notices: list[str] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)  # of these, the smoke that should be there
     drawn: set[str] = field(default_factory=set)  # objects whose smoke a viewport draws
+    bounced: bool = False  # whether surfaces light each other
 
 
 LATTICE = 256.0  # metres
@@ -148,6 +150,9 @@ def export(
     core.Missing without the native module. A render may look through another `camera` than the scene's."""
     parts = parts or Parts()
     out = Export(core.module().Scene())
+    reflections, bounced = bounces.of_scene(depsgraph.scene)
+    out.scene.set_bounces(reflections, bounced)
+    out.bounced = bounced > 0
     looks: list[str] = [] if smoke_alone else out.notices
     lit = 0
     suns: list[str] = []
@@ -401,6 +406,7 @@ def add_surfaces(
     values = np.array([group.values[number] for number in which])[usable] if group.textures is not None else None
     if any(surface.lets_through for surface in group.surfaces) and seen is not None and seen.seen in _WHOLE:
         out.notices.append(f"{group.name}: it lets light through, but is {_WHOLE[seen.seen]} as if it did not")
+    emitters = _emitters(group, places, values, emission) if group.triangles is not None and reach is not None else []
     try:
         out.scene.add_instances(
             group.mesh,
@@ -415,22 +421,40 @@ def add_surfaces(
             transmittance=transmittance,
             patterns=[] if group.textures is None else group.textures.patterns,
             values=values,
+            lamp=bool(emitters) and None not in emitters,
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")
         return 0
+    if None in emitters and not out.bounced:
+        out.notices.append(
+            f"{group.name}: it emits, but lights nothing: more than {lights.MOST_POLYGONS} of its faces do. With Bounced "
+            "Light it does"
+        )
+    known = [polygon for each in emitters for polygon in each or []]
+    if reach is not None and None not in emitters:
+        for corners, colour in known:
+            out.scene.add_polygon(corners, colour, reach=visibility.native(reach))
+        return len(known)
+    return 0
+
+
+def _emitters(
+    group: _Group, places: NDArray[np.float64], values: NDArray[np.float64] | None, emission: NDArray[np.float64]
+) -> list[list[tuple[NDArray[np.float64], NDArray[np.float64]]] | None]:
+    """The polygons of each place that emit, and what; None for one that has too many."""
     read = group.triangles
-    if read is None or reach is None:
-        return 0
+    if read is None:
+        return []
     rows = np.zeros(len(read.triangles), np.int32) if read.material is None else read.material
-    lit = 0
+    out = []
     for number, matrix in enumerate(places):
         corners = (read.vertices @ matrix[:3, :3].T + matrix[:3, 3])[read.triangles]
         each = emission[rows]
         if group.textures is not None and values is not None:
             group.textures.add_emission(group.mesh, rows, matrix, values[number], each)
-        lit += lights.add_emitters(out.scene, corners, each, group.name, out.notices, reach)
-    return lit
+        out.append(lights.emitters(corners, each))
+    return out
 
 
 def add_points(out: Export, points: particles.Particles, parts: Parts, seen: Seen, smoke_seen: Seen) -> None:

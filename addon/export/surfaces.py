@@ -20,7 +20,8 @@ from .shading.reading import Place, Reader, Source
 PLAIN_GREY = (0.8, 0.8, 0.8)
 MOST_LAYERS = 4
 LEAVES_REST, LEAVES_NOTHING = 0.5, 1.0  # to what is below a layer of gloss
-SMOOTHEST = 0.1  # roughness
+SMOOTHEST = 0.1  # roughness that lamps know
+MIRROR = 0.01  # what surfaces are mirrored with
 LAMBERT, BURLEY = 0, 1  # native kinds of what is diffuse
 LUMINANCE = np.array((0.3, 0.6, 0.1))  # as Burley (2012) has it
 
@@ -130,8 +131,7 @@ def _settled(look: Look) -> Surface:
         first = _FIRST_LAYER + k * _OF_LAYER
         reflectance = colour(first + _REFLECTANCE, layer.reflectance)
         dip = colour(first + _DIP, layer.dip)
-        least = SMOOTHEST**2
-        alpha = tuple(number(first + _ALPHA + i, each, 1e-4 * least, 1.0) for i, each in enumerate(layer.alpha))
+        alpha = tuple(number(first + _ALPHA + i, each, 1e-6, 1.0) for i, each in enumerate(layer.alpha))
         index = number(first + _INDEX, layer.index, 0.0, 1000.0)
         share, turn = number(first + _SHARE, layer.share, 0.0, 1.0), number(first + _TURN, layer.turn, 0.0, 1.0)
         once = (*reflectance, layer.edge, *alpha, compat.masks_apart(), index)
@@ -195,12 +195,12 @@ class Shader:
         return fields.maximum(self.reader.of_socket(self.place, self.node.inputs[name]), 0.0)
 
     def alpha(self, name: str) -> Field:
-        """The slope of facets of an artist's roughness; of the smoothest we show one that is still a lobe."""
+        """The slope of facets of an artist's roughness; of the smoothest, lamps are shown by one that is still a lobe."""
         rough = self.number(name)
         known = rough.constant
         if known is not None and float(known[0]) < SMOOTHEST:
-            self.say(f"its {name} of {float(known[0]):.3g} is shown as {SMOOTHEST}")
-        smooth = fields.maximum(rough, SMOOTHEST)
+            self.say(f"its {name} of {float(known[0]):.3g} is shown as {SMOOTHEST} where it shows lamps")
+        smooth = fields.maximum(rough, MIRROR)
         return smooth * smooth
 
     @property

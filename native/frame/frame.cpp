@@ -25,7 +25,7 @@ Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<
              const InstructionSet &with)
     : instruction_set_(&with), prepared_(std::move(prepared)), clock_(std::make_unique<StageClock>()),
       step_length_(1.0 / settings.steps_per_cell), background_(scene.background), backdrop_(scene.backdrop),
-      background_alpha_(scene.background_alpha), origin_(scene.origin) {
+      background_alpha_(scene.background_alpha), origin_(scene.origin), bounces_(scene.bounces) {
     const std::lock_guard making(prepared_->making);
     content_ = prepared_->arena.execute([&] { return content_of({scene, settings, with, *prepared_}, *clock_); });
     prepared_->end_round();
@@ -103,6 +103,28 @@ void Frame::see_particles(const Camera &camera, int width, int height, Views &vi
     views.frame.sorted = true;
 }
 
+void Frame::see_bounces(const Camera &camera, bool moving, Views &views) const {
+    BounceView &view = views.frame.bounces;
+    view.gloss = bounces_.gloss;
+    view.diffuse = bounces_.diffuse > 0;
+    view.settled = moving;
+    view.surroundings = &surroundings_;
+    if (!view.diffuse) {
+        return;
+    }
+    const std::lock_guard making(bounced_->making);
+    if (!bounced_->cache ||
+        !(moving || (bounced_->camera->near == camera.near && bounced_->camera->far == camera.far))) {
+        bounced_->camera = camera;
+        bounced_->cache = prepared_->arena.execute([&] {
+            return std::make_shared<const LightCache>(views.frame, frame_kernels(*instruction_set_).bounce,
+                                                      bounces_.diffuse);
+        });
+    }
+    views.cache = bounced_->cache;
+    view.cache = &views.cache->view();
+}
+
 void Frame::show_particles(ParticlesView &view) const {
     view.puffs = content_.puffs->puffs.data();
     view.albedo = content_.puffs->albedo.data();
@@ -112,7 +134,10 @@ void Frame::show_particles(ParticlesView &view) const {
 
 std::optional<Image> Frame::image(const Camera &camera, int width, int height, LayerSet wanted, int edge_samples,
                                   const Progress &progress) const {
-    const Views seen = views(camera, width, height, wanted, step_length_);
+    Views seen = views(camera, width, height, wanted, step_length_);
+    if (wanted.has(Layer::RADIANCE)) {
+        see_bounces(camera, false, seen);
+    }
     const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
     return prepared_->arena.execute([&] { return traced(tracer, width, height, {edge_samples, {}}, progress); });
 }
@@ -128,6 +153,7 @@ std::optional<Image> Frame::passes(const Camera &camera, int width, int height, 
     Views seen = views(camera, width, height, wanted, step_length_, film.filter.diameter() / 2.0);
     seen.frame.mist = mist;
     seen.frame.least_alpha = least_alpha;
+    see_bounces(camera, false, seen);
     const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
     std::optional<Image> picture =
         prepared_->arena.execute([&] { return traced(tracer, width, height, film, progress); });
@@ -160,6 +186,9 @@ std::vector<float> Frame::glance(const Camera &camera, int width, int height, La
         medium.split = false; // as the viewport's shader has it
     }
     seen.frame.shadow_strength = shadow_strength;
+    if (wanted.has(Layer::RADIANCE)) {
+        see_bounces(camera, true, seen);
+    }
     const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
     return prepared_->arena.execute([&] { return sfumato::glance(tracer, width, height, spacing); });
 }

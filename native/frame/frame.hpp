@@ -3,21 +3,21 @@
 #pragma once
 
 #include "frame/drawn.hpp"
+#include "frame/light_cache.hpp"
 #include "frame/picture.hpp"
 #include "frame/prepared.hpp"
 #include "frame/stages.hpp"
 #include "media/strands.hpp"
+#include "scene/scene.hpp"
 #include "text/dispatch.hpp"
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace sfumato {
-
-struct Camera;
-struct Scene;
 
 // Everything about a scene that does not depend on the camera.
 class Frame {
@@ -88,6 +88,7 @@ private:
         Bins puffs;
         std::vector<float> puff_begins;
         SeenStrands strands;
+        std::shared_ptr<const LightCache> cache;
         FrameView frame;
     };
     // `reach`: as far as a sample sees around itself, pixels.
@@ -97,6 +98,8 @@ private:
     void show_particles(ParticlesView &view) const;
     void see_particles(const Camera &camera, int width, int height, Views &views) const;
     void see_strands(const Camera &camera, int width, int height, double reach, Views &views) const;
+    // Light that surfaces have of each other: of a view that moves, what is kept of another camera's will do.
+    void see_bounces(const Camera &camera, bool moving, Views &views) const;
     [[nodiscard]] std::optional<Image> image(const Camera &camera, int width, int height, LayerSet wanted,
                                              int edge_samples, const Progress &progress) const;
 
@@ -109,6 +112,15 @@ private:
     float background_alpha_;
     glm::dvec3 origin_;
     Content content_;
+    Bounces bounces_;
+    LightView surroundings_ = white_surroundings();
+    // Of the camera that asked last.
+    struct Bounced {
+        std::mutex making;
+        std::optional<Camera> camera;
+        std::shared_ptr<const LightCache> cache;
+    };
+    std::unique_ptr<Bounced> bounced_ = std::make_unique<Bounced>();
 };
 
 } // namespace sfumato

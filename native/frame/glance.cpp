@@ -103,7 +103,7 @@ private:
                 const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
                     packet.u[lane] = (static_cast<float>(first[number].x) + 0.5F) / static_cast<float>(pixels_.width);
                     packet.v[lane] = (static_cast<float>(first[number].y) + 0.5F) / static_cast<float>(pixels_.height);
-                    packet.light_u[lane] = packet.light_v[lane] = 0.5F;
+                    packet.light_u[lane] = packet.light_v[lane] = packet.look_u[lane] = packet.look_v[lane] = 0.5F;
                 };
                 tracer_.trace(range.size(), fill, [&](const Layers &layers, std::size_t lane, std::size_t number) {
                     pixels_.store(pixels_.at(first[number].x, first[number].y), layers, lane);

@@ -44,6 +44,8 @@ void composite(const FrameView &view, LayerSet wanted, int lanes, Layers &layers
             }
             layers.sky.dull.light[c][lane] *= smoke.through;
             layers.sky.gloss.light[c][lane] *= smoke.through;
+            layers.sky.dull.weight[c][lane] *= smoke.through;
+            layers.sky.gloss.weight[c][lane] *= smoke.through;
             left += surface * smoke.through;
             sent += smoke.smoke;
             through += smoke.through;

@@ -3,6 +3,7 @@
 // Views own nothing.
 #pragma once
 
+#include "frame/bounce.hpp"
 #include "frame/drawn.hpp"
 #include "frame/events.hpp"
 #include "lights/light.hpp"
@@ -53,7 +54,8 @@ struct FrameView {
     float background_alpha = 0.0F;
     float shadow_strength = 1.0F; // of an overlay: the share of a surface's light that shadows take at most
     Mist mist;                    // where that is asked for
-    float least_alpha = 0.5F;     // of a sheet of which passes tell
+    BounceView bounces;
+    float least_alpha = 0.5F; // of a sheet of which passes tell
 };
 
 enum class Layer : std::uint16_t {
@@ -122,6 +124,10 @@ struct Packet {
     // Shadows of solids are averaged over these, as they fall on the plane of the surface that the ray itself meets.
     // Where there are none, from the ray itself, and light_u and light_v.
     std::span<ShadowSample> shadows;
+    // From each sample so many rays look for light of other surfaces, around a point of the square that is its own
+    // among its neighbours; none where these told already.
+    alignas(64) float look_u[MAX_LANES], look_v[MAX_LANES];
+    int looks = 4;
     // In air every one of so many samples of a light is followed, from this one on: what makes up a pixel takes turns.
     std::size_t turn = 0, turns = 1;
 };
@@ -141,19 +147,23 @@ struct PassLayers {
     alignas(64) float left[3][MAX_LANES];
 };
 
-// What becomes of a packet. Each stage writes its own.
-// What of a sky surfaces send to the eye: neighbouring pixels look in different directions, and are put together.
+// What of a sky, and of other surfaces, surfaces send to the eye: neighbouring pixels look in different directions, and
+// are put together.
 struct SkyLayers {
     struct Part {
         alignas(64) float light[3][MAX_LANES]; // were it hidden by no solid; past smoke in the end
         alignas(64) float all[3][MAX_LANES];   // what a few directions bring, and
         alignas(64) float seen[3][MAX_LANES];  // what solids leave of that
         alignas(64) float open[MAX_LANES];     // the mean of the light's colours, without smoke
+        // Where surfaces light each other: of what others send, the share that is sent on, and what rays find of it.
+        alignas(64) float weight[3][MAX_LANES];
+        alignas(64) float found[3][MAX_LANES];
     };
     Part dull, gloss;
     alignas(64) float normal[3][MAX_LANES]; // shading normal; anything where nothing is hit
 };
 
+// What becomes of a packet. Each stage writes its own.
 struct Layers {
     // Surfaces: the first on each ray.
     alignas(64) float hit[MAX_LANES];        // 1, or 0 where there is none
@@ -187,6 +197,7 @@ struct FrameKernels {
     void (*air)(const FrameView &, const Packet &, Layers &);
     void (*merge)(const FrameView &, const Packet &, Layers &);
     DrawnKernels drawn;
+    BounceKernels bounce;
 };
 
 const FrameKernels &frame_kernels(const InstructionSet &with = instruction_set());

@@ -149,6 +149,31 @@ private:
 };
 
 template <int COLOURS, bool RAMPED>
+void march_along(const FrameView &frame, const BounceRays &rays, const float *reach, float (&sent)[3][MAX_LANES],
+                 float (&left)[3][MAX_LANES]) {
+    using Text = text::MarchText<Real, Isa, Asked<COLOURS>>;
+    Text text{{&frame, nullptr}};
+    const auto loaded = [](const float(&v)[3][MAX_LANES]) {
+        return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
+    };
+    const Real far = Real::load_aligned(reach);
+    const typename Text::Ray ray{loaded(rays.origin), loaded(rays.direction), far};
+    const auto smoke = RAMPED ? text.march_ramped(ray, far) : text.march(ray, far);
+    for (int i = 0; i < 3; ++i) {
+        smoke.radiance[i].store_aligned(sent[i]);
+        if constexpr (COLOURS == 1) {
+            RaysText().transmittance_of(smoke.depth).store_aligned(left[i]);
+        } else {
+            RaysText().transmittance_of(smoke.depth[i]).store_aligned(left[i]);
+        }
+    }
+}
+
+bool is_ramped(const FrameView &frame) {
+    return std::ranges::any_of(frame.seen_media, [](const MediumView &medium) { return medium.ramp.rows != nullptr; });
+}
+
+template <int COLOURS, bool RAMPED>
 void march_in(const FrameView &frame, const Packet &packet, Layers &out) {
     Events *const events = out.events;
     text::MarchText<Real, Isa, Asked<COLOURS>> text{
@@ -178,21 +203,41 @@ void trace_particles(const FrameView &frame, const Packet &packet, Layers &out);
 void trace_strands(const FrameView &frame, const Packet &packet, Layers &out);                   // strands_lanes.cpp
 void trace_air(const FrameView &frame, const Packet &packet, Layers &out);                       // air_lanes.cpp
 void merge(const FrameView &frame, const Packet &packet, Layers &out);                           // merge_lanes.cpp
+void shine(const FrameView &frame, BounceRays &rays);                                            // bounce_lanes.cpp
+void meet(const FrameView &frame, std::span<const BounceRay> rays, std::span<BouncePoint> out);
+void lit(const FrameView &frame, std::span<const BouncePoint> points, std::span<glm::vec3> out);
 void light_puffs(const FrameView &frame, std::span<const Puff> puffs, std::span<const glm::vec3> directions,
                  bool past_smoke, std::span<glm::vec3> out);
 void light_strands(const FrameView &frame, std::span<const StrandSegment> segments, std::span<glm::vec3> out);
 void light_sheets(const FrameView &frame, std::span<const SheetPoint> points, std::span<glm::vec3> out);
 
 void march(const FrameView &frame, const Packet &packet, Layers &out) {
-    if (std::ranges::any_of(frame.seen_media, [](const MediumView &medium) { return medium.ramp.rows != nullptr; })) {
+    if (is_ramped(frame)) {
         frame.grey ? march_in<1, true>(frame, packet, out) : march_in<3, true>(frame, packet, out);
     } else {
         frame.grey ? march_in<1, false>(frame, packet, out) : march_in<3, false>(frame, packet, out);
     }
 }
 
-extern const FrameKernels frame_kernels{
-    trace_surfaces, trace_sheets, trace_strands, trace_particles,
-    march,          trace_air,    merge,         {light_puffs, light_strands, light_sheets}};
+void march_rays(const FrameView &frame, const BounceRays &rays, const float *reach, float (&sent)[3][MAX_LANES],
+                float (&left)[3][MAX_LANES]) {
+    if (is_ramped(frame)) {
+        frame.grey ? march_along<1, true>(frame, rays, reach, sent, left)
+                   : march_along<3, true>(frame, rays, reach, sent, left);
+    } else {
+        frame.grey ? march_along<1, false>(frame, rays, reach, sent, left)
+                   : march_along<3, false>(frame, rays, reach, sent, left);
+    }
+}
+
+extern const FrameKernels frame_kernels{trace_surfaces,
+                                        trace_sheets,
+                                        trace_strands,
+                                        trace_particles,
+                                        march,
+                                        trace_air,
+                                        merge,
+                                        {light_puffs, light_strands, light_sheets},
+                                        {shine, meet, lit}};
 
 } // namespace sfumato::SFUMATO_ISA

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -47,6 +48,8 @@ SkyPixel::Part sky_part(const SkyLayers::Part &layers, std::size_t lane) {
         out.light[c] = layers.light[c][lane];
         out.all[c] = layers.all[c][lane];
         out.seen[c] = layers.seen[c][lane];
+        out.weight[c] = layers.weight[c][lane];
+        out.found[c] = layers.found[c][lane];
     }
     out.open = layers.open[lane];
     return out;
@@ -68,6 +71,12 @@ void trace_row(const Tracer &tracer, const Film &film, Image &image, int y) {
         packet.v[lane] = (static_cast<float>(y) + 0.5F) / height;
         packet.light_u[lane] = look.light_u;
         packet.light_v[lane] = look.light_v;
+        // Of a look for light of other surfaces, quarters of the square are divided once more.
+        const auto finer = [](float middle, int tile) {
+            return middle + (static_cast<float>(tile % 2) - 0.5F) / (2.0F * TILE);
+        };
+        packet.look_u[lane] = finer(look.light_u, static_cast<int>(x) / TILE);
+        packet.look_v[lane] = finer(look.light_v, y / TILE);
         packet.reach = static_cast<float>(film.filter.diameter() / 2.0);
         standing.put(packet);
     };
@@ -106,63 +115,102 @@ void add(float weight, const SkyPixel::Part &from, SkyPixel::Part &to) {
     }
 }
 
-// Neighbouring pixels look in different directions, TILE^2 of them in all: together those of one surface see as much as
-// many looks of each (Keller and Heidrich, "Interleaved sampling", 2001). A window that is a pixel wider, its rim half
-// as heavy, holds each of the turns as often as any other, and lies even around its pixel.
-SkyPixel looks_around(const Image &image, int x, int y) {
-    constexpr int REACH = TILE / 2;
+// Of light from other surfaces; in the sum, `weight` counts what is found.
+void add_found(float weight, const SkyPixel::Part &from, SkyPixel::Part &to) {
+    if (from.sent_on() > 0.0F) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            to.weight[c] += weight;
+            to.found[c] += weight * from.found[c];
+        }
+    }
+}
+
+std::array<float, 3> found_by(const SkyPixel::Part &sum) {
+    std::array<float, 3> out{};
+    for (std::size_t c = 0; c < 3 && sum.weight[c] > 0.0F; ++c) {
+        out[c] = sum.found[c] / sum.weight[c];
+    }
+    return out;
+}
+
+bool is_one_surface(const SkyPixel &a, float distance, const SkyPixel &b, float other) {
     constexpr float FACING = 0.9F, DEEPER = 0.05F;
+    float facing = 0.0F;
+    for (std::size_t c = 0; c < 3; ++c) {
+        facing += a.normal[c] * b.normal[c];
+    }
+    return facing > FACING && std::abs(other - distance) < DEEPER * distance;
+}
+
+// Calls body(other, weight) for the pixels around one that see the same surface, up to `reach` away in both directions:
+// the rim counts half, so that each of (2 reach)^2 turns is held as often as any other.
+template <typename Body>
+void around(const Image &image, int x, int y, int reach, const Body &body) {
     const std::size_t own = image.at(x, y);
-    const SkyPixel &centre = image.sky[own];
-    SkyPixel sum;
-    for (int j = std::max(y - REACH, 0); j <= std::min(y + REACH, image.height - 1); ++j) {
-        for (int i = std::max(x - REACH, 0); i <= std::min(x + REACH, image.width - 1); ++i) {
-            const SkyPixel &other = image.sky[image.at(i, j)];
-            float facing = 0.0F;
-            for (std::size_t c = 0; c < 3; ++c) {
-                facing += centre.normal[c] * other.normal[c];
-            }
-            const float away = std::abs(image.distance[image.at(i, j)] - image.distance[own]);
-            if (other.lit() && facing > FACING && away < DEEPER * image.distance[own]) {
-                const float weight =
-                    (std::abs(i - x) == REACH ? 0.5F : 1.0F) * (std::abs(j - y) == REACH ? 0.5F : 1.0F);
-                add(weight, other.dull, sum.dull);
-                add(weight, other.gloss, sum.gloss);
+    for (int j = std::max(y - reach, 0); j <= std::min(y + reach, image.height - 1); ++j) {
+        for (int i = std::max(x - reach, 0); i <= std::min(x + reach, image.width - 1); ++i) {
+            const std::size_t at = image.at(i, j);
+            const SkyPixel &other = image.sky[at];
+            if (other.lit() && is_one_surface(image.sky[own], image.distance[own], other, image.distance[at])) {
+                body(other, (std::abs(i - x) == reach ? 0.5F : 1.0F) * (std::abs(j - y) == reach ? 0.5F : 1.0F));
             }
         }
+    }
+}
+
+// Neighbouring pixels look in different directions, TILE^2 of them in all: together those of one surface see as much as
+// many looks of each (Keller and Heidrich, "Interleaved sampling", 2001). For light of other surfaces, which changes
+// more slowly, it is four times as many.
+SkyPixel looks_around(const Image &image, int x, int y) {
+    SkyPixel sum;
+    around(image, x, y, TILE / 2, [&sum](const SkyPixel &other, float weight) {
+        add(weight, other.dull, sum.dull);
+        add(weight, other.gloss, sum.gloss);
+    });
+    const SkyPixel &own = image.sky[image.at(x, y)];
+    if (own.dull.sent_on() + own.gloss.sent_on() > 0.0F) {
+        around(image, x, y, TILE, [&sum](const SkyPixel &other, float weight) {
+            add_found(weight, other.dull, sum.dull);
+            add_found(weight, other.gloss, sum.gloss);
+        });
     }
     return sum;
 }
 
 void put_looks_together(Image &image) {
     struct Shares {
-        std::array<float, 3> dull, gloss;
+        std::array<float, 3> dull, gloss, found_dull, found_gloss;
     };
     std::vector<Shares> shares(image.sky.size());
     oneapi::tbb::parallel_for(0, image.height, [&](int y) {
         for (int x = 0; x < image.width; ++x) {
             if (image.sky[image.at(x, y)].lit()) {
-                const SkyPixel around = looks_around(image, x, y);
-                shares[image.at(x, y)] = {share_of(around.dull), share_of(around.gloss)};
+                const SkyPixel sum = looks_around(image, x, y);
+                shares[image.at(x, y)] = {share_of(sum.dull), share_of(sum.gloss), found_by(sum.dull),
+                                          found_by(sum.gloss)};
             }
         }
     });
     oneapi::tbb::parallel_for(std::size_t{0}, image.sky.size(), [&](std::size_t pixel) {
-        const SkyPixel &sky = image.sky[pixel];
+        SkyPixel &sky = image.sky[pixel];
         if (sky.lit()) {
-            const auto put = [&](const SkyPixel::Part &part, const std::array<float, 3> &wanted) {
+            const auto put = [&](const SkyPixel::Part &part, const std::array<float, 3> &wanted,
+                                 const std::array<float, 3> &around) {
                 const std::array<float, 3> found = share_of(part);
                 float hidden = 0.0F, all = 1e-30F;
                 for (std::size_t c = 0; c < 3; ++c) {
                     image.rgba[4 * pixel + c] += (wanted[c] - found[c]) * part.light[c];
                     hidden += (1.0F - found[c]) * part.light[c];
                     all += part.light[c];
+                    image.rgba[4 * pixel + c] += (around[c] - part.found[c]) * part.weight[c];
                 }
                 // What hides a sky has no edges to look for.
                 image.surfaces[pixel] += hidden / all * part.open;
             };
-            put(sky.dull, shares[pixel].dull);
-            put(sky.gloss, shares[pixel].gloss);
+            put(sky.dull, shares[pixel].dull, shares[pixel].found_dull);
+            put(sky.gloss, shares[pixel].gloss, shares[pixel].found_gloss);
+            sky.dull.found = shares[pixel].found_dull;
+            sky.gloss.found = shares[pixel].found_gloss;
         }
     });
 }
@@ -246,6 +294,33 @@ Unsure unsure_of(const Image &image, int x, int y) {
 
 using Patterns = std::vector<std::vector<FilmSample>>; // of each turn
 
+// What a sample in a pixel has of other surfaces, with what the pixels around it have found of that where they see the
+// same surface.
+void find_around(const Image &image, int x, int y, const Layers &layers, std::size_t lane, Image::Sample &values) {
+    const SkyPixel own = sky_pixel(layers.sky, lane);
+    if (own.dull.sent_on() + own.gloss.sent_on() <= 0.0F) {
+        return;
+    }
+    SkyPixel sum;
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.height - 1); ++j) {
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, image.width - 1); ++i) {
+            const SkyPixel &other = image.sky[image.at(i, j)];
+            if (is_one_surface(own, layers.distance[lane], other, image.distance[image.at(i, j)])) {
+                add_found(1.0F, other.dull, sum.dull);
+                add_found(1.0F, other.gloss, sum.gloss);
+            }
+        }
+    }
+    for (const auto &[part, around] : {std::pair(&own.dull, &sum.dull), std::pair(&own.gloss, &sum.gloss)}) {
+        if (around->weight[0] > 0.0F) {
+            const std::array<float, 3> found = found_by(*around);
+            for (std::size_t c = 0; c < 3; ++c) {
+                values[c] += part->weight[c] * (found[c] - part->found[c]);
+            }
+        }
+    }
+}
+
 // Samples some pixels of a row: of each its own pattern, in as few packets as hold them all.
 void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patterns, Image &image,
                    std::span<const int> columns, int y) {
@@ -264,14 +339,20 @@ void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patte
             packet.v[lane] = (static_cast<float>(y) + 0.5F + s.y) / static_cast<float>(image.height);
             packet.light_u[lane] = s.light_u;
             packet.light_v[lane] = s.light_v;
+            packet.look_u[lane] = s.light_u;
+            packet.look_v[lane] = s.light_v;
             packet.reach = reach;
             standing.put(packet);
             packet.turn = turn;
             packet.turns = turns;
+            packet.looks = 2;
         };
         tracer.trace(columns.size() * each, fill, [&](const Layers &layers, std::size_t lane, std::size_t number) {
             Image::Sample values{};
             image.read(layers, lane, values);
+            if (!image.sky.empty()) {
+                find_around(image, columns[number / each], y, layers, lane, values);
+            }
             for (std::size_t c = 0; c < sums; ++c) {
                 sum[number / each * sums + c] += static_cast<double>(values[c]);
             }
@@ -297,6 +378,8 @@ void refine_shadows(const Tracer &tracer, const Film &film, const Patterns &patt
         packet.u[lane] = column / width;
         packet.v[lane] = row / height;
         standing.put(packet);
+        packet.look_u[lane] = packet.look_v[lane] = 0.5F; // of what is sharp
+        packet.looks = image.sky.empty() ? packet.looks : 0;
         const std::vector<FilmSample> &pattern = patterns[static_cast<std::size_t>(film_turn(x, y))];
         for (std::size_t k = 0; k < pattern.size(); ++k) {
             packet.shadows[k].u[lane] = (column + pattern[k].x) / width;
@@ -308,7 +391,12 @@ void refine_shadows(const Tracer &tracer, const Film &film, const Patterns &patt
     const auto take = [&](const Layers &layers, std::size_t lane, std::size_t number) {
         Image::Sample values{};
         image.read(layers, lane, values);
-        image.set(image.at(columns[number], y), values, true);
+        const std::size_t pixel = image.at(columns[number], y);
+        for (std::size_t c = 0; c < 3 && !image.sky.empty(); ++c) {
+            values[c] += layers.sky.dull.weight[c][lane] * image.sky[pixel].dull.found[c] +
+                         layers.sky.gloss.weight[c][lane] * image.sky[pixel].gloss.found[c];
+        }
+        image.set(pixel, values, true);
     };
     tracer.trace(columns.size(), fill, take, patterns.front().size());
 }
@@ -410,8 +498,10 @@ std::optional<Image> traced(const Tracer &tracer, int width, int height, const F
     if (tracer.wanted.has(Layer::RADIANCE) && !tracer.view.strands.empty()) {
         image.fine.resize(image.distance.size());
     }
-    if (tracer.wanted.has(Layer::RADIANCE) && std::any_of(tracer.view.lights.begin(), tracer.view.lights.end(),
-                                                          [](const LightView &light) { return light.surrounds(); })) {
+    const bool bounces = tracer.view.bounces.gloss || tracer.view.bounces.diffuse;
+    if (tracer.wanted.has(Layer::RADIANCE) &&
+        (bounces || std::any_of(tracer.view.lights.begin(), tracer.view.lights.end(),
+                                [](const LightView &light) { return light.surrounds(); }))) {
         image.sky.resize(image.distance.size());
     }
     image.shafts = tracer.wanted.has(Layer::RADIANCE) && !tracer.view.air.empty();

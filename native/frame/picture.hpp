@@ -18,17 +18,20 @@ namespace sfumato {
 // Called between parts of the work with the share that is done; false stops it.
 using Progress = std::function<bool(double)>;
 
-// What a pixel's surface has of a sky. One look asks in a few directions, which is as coarse as it is cheap.
+// What a pixel's surface has of a sky, and of other surfaces. One look asks in a few directions, which is as coarse as
+// it is cheap.
 struct SkyPixel {
     struct Part {
-        std::array<float, 3> light{};       // were it hidden by no solid, past smoke
-        std::array<float, 3> all{}, seen{}; // what the directions bring, and what solids leave of that
-        float open = 0.0F;                  // the mean of the light's colours, without smoke
+        std::array<float, 3> light{};           // were it hidden by no solid, past smoke
+        std::array<float, 3> all{}, seen{};     // what the directions bring, and what solids leave of that
+        float open = 0.0F;                      // the mean of the light's colours, without smoke
+        std::array<float, 3> weight{}, found{}; // of light from other surfaces: what is sent on, and what rays find
+        [[nodiscard]] float sent_on() const { return weight[0] + weight[1] + weight[2]; }
     };
     Part dull, gloss;
     std::array<float, 3> normal{};
 
-    [[nodiscard]] bool lit() const { return dull.open + gloss.open > 0.0F; }
+    [[nodiscard]] bool lit() const { return dull.open + gloss.open + dull.sent_on() + gloss.sent_on() > 0.0F; }
 };
 
 struct Image {

@@ -112,6 +112,7 @@ struct Reflected {
     Real even, even_unshadowed; // the mean of `open`, and `unshadowed`, of what is textured as if it were not
     Real alone[3];              // where a catcher is met: in the shadows of catchers alone
     FromSky dull, gloss;        // of that light what a sky sends, by what becomes of it
+    Real bounced[3];            // of `shadowed`, what comes from other surfaces
 };
 
 inline Real component(const vec3 &v, int axis) {
@@ -487,6 +488,12 @@ inline PastSolids light_past_solids(const FrameView &frame, const Packet &packet
     return sum;
 }
 
+// Off a surface by a few rounding errors of the coordinates, for shadow rays, and for light from the surface itself if
+// that glows: whether it is seen from before or from behind must not hang on the last digit.
+inline Real offset_of(const vec3 &point, Real distance) {
+    return 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), distance));
+}
+
 inline bool any_spreads(const Surface &surface, Spreading from) {
     return xsimd::any(surface.hit & (surface.spreading >= static_cast<float>(from)));
 }
@@ -569,7 +576,8 @@ inline Reflected no_light() {
     const vec3 nothing{0.0F, 0.0F, 0.0F};
     const FromSky none{{0.0F, 0.0F, 0.0F}, nothing, nothing, 0.0F};
     return {
-        {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, 0.0F, 0.0F, {0.0F, 0.0F, 0.0F}, none, none};
+        {0.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 0.0F}, 0.0F, {0.0F, 0.0F, 0.0F}, 0.0F, 0.0F, {0.0F, 0.0F, 0.0F}, none, none,
+        {0.0F, 0.0F, 0.0F}};
 }
 
 inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
@@ -585,10 +593,7 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
         }
     }
     const vec3 point = ray.origin + ray.direction * surface.distance;
-    // Off the surface by a few rounding errors of the coordinates, for shadow rays, and for light from the surface
-    // itself if that glows: whether it is seen from before or from behind must not hang on the last digit.
-    const Real offset = 4e-6F * max(max(abs(point.x), abs(point.y)), max(abs(point.z), surface.distance));
-    const vec3 start = point + surface.geometric_normal * offset;
+    const vec3 start = point + surface.geometric_normal * offset_of(point, surface.distance);
     // A share in shadow is one of what comes, not of what is reflected.
     const int lobes = radiance ? surface.lobes : 0;
     const bool textured = radiance && xsimd::any(surface.varied);

@@ -125,6 +125,13 @@ LightView view_of(const Light &light, double cell) {
     return view;
 }
 
+LightView white_surroundings() {
+    LightView light;
+    light.kind = Light::Kind::SKY;
+    light.strength = glm::vec3(4.0F * std::numbers::pi_v<float>);
+    return light;
+}
+
 int sky_samples(int most) {
     return 2 * most;
 }

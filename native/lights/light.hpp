@@ -49,6 +49,9 @@ struct LightView : Light {
 // body.
 LightView view_of(const Light &light, double cell);
 
+// All around the same, of a radiance of one.
+LightView white_surroundings();
+
 inline bool surrounds(const Light &light) {
     return light.kind == LightKind::SKY;
 }

@@ -39,8 +39,9 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
                    const std::optional<Floats> &diffuse, const std::optional<Doubles> &object_index,
                    const std::optional<Doubles> &material_index, const std::optional<Visibility> &visibility,
                    const std::optional<Floats> &transmittance, const py::list &patterns,
-                   const std::optional<Floats> &values) {
+                   const std::optional<Floats> &values, bool lamp) {
     Instances out;
+    out.lamp = lamp;
     out.visibility = visibility.value_or(Visibility{});
     out.shape = mesh.shape;
     out.materials = checked_materials(albedo, gloss, emission, diffuse, transmittance);
@@ -314,6 +315,11 @@ void set_background(ConsoleScene &scene, const SkyOrRadiance &radiance, float al
     scene.background_alpha = alpha;
 }
 
+void set_bounces(ConsoleScene &scene, bool gloss, int diffuse) {
+    require_range(diffuse, 0, 64, "diffuse");
+    scene.bounces = {gloss, diffuse};
+}
+
 void add_point(ConsoleScene &scene, const Floats &position, const Floats &intensity, float radius,
                const Floats &direction, float cone, float blend, bool facing_disk, bool spot_cosine,
                const py::object &across, const std::optional<Reach> &reach, bool part) {
@@ -475,14 +481,15 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
              py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse") = py::none(),
              py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
              py::arg("visibility") = py::none(), py::arg("transmittance") = py::none(),
-             py::arg("patterns") = py::list(), py::arg("values") = py::none(),
+             py::arg("patterns") = py::list(), py::arg("values") = py::none(), py::arg("lamp") = false,
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
 world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of add_mesh, a row for
 each material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
 gives by these names; visibility, what it is to the camera and to lights, or all of that. patterns, a Pattern or None for
 each material, give what varies of these, which then are no more than usual of it: of a layer of gloss the index decides
-what it leaves. values (n, j) are what they ask for of each place. Raises ValueError as add_mesh
-does, and for too few rows.
+what it leaves. values (n, j) are what they ask for of each place. lamp: what it emits is among the lights, too, so
+light that goes between surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh does, and for too few
+rows.
 
 >>> import numpy as np
 >>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -637,6 +644,17 @@ place does. Raises ValueError for wrong shapes and values that are not finite or
              "Set the radiance (3,) where no surface is, or a Sky, times the gain, and the alpha there.\n"
              "It lights nothing.\n\n"
              ">>> Scene().set_background((0, 0, 0), alpha=1)\n")
+        .def("set_bounces", &set_bounces, py::arg("gloss") = false, py::arg("diffuse") = 0,
+             R"(Set what surfaces send to each other; without it, they reflect lights alone.
+
+gloss: whether layers of gloss show the surfaces around them, and smoke before these, where they are as sharp as a mirror
+nearly is. diffuse, 0 to 64: how many times light goes from matt surface to matt surface, that of lights and, unless it is 0, of all
+that glows and is no lamp. Gloss that light comes to on the way counts as matt. Smoke is lit by lights alone.
+Raises ValueError for a number out of range.
+
+>>> scene = Scene()
+>>> scene.set_bounces(gloss=True, diffuse=4)
+)")
         .def(
             "set_origin",
             [](ConsoleScene &scene, const Doubles &origin) {

@@ -471,6 +471,7 @@ class Scene:
         transmittance: ArrayLike | None = None,
         patterns: list[Any] = [],
         values: ArrayLike | None = None,
+        lamp: bool = False,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
         world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of
@@ -478,7 +479,8 @@ class Scene:
         material_index (k,) are what Frame.passes gives by these names; visibility, what it is to the camera and
         to lights, or all of that. patterns, a Pattern or None for each material, give what varies of these, which
         then are no more than usual of it: of a layer of gloss the index decides what it leaves. values (n, j) are
-        what they ask for of each place. Raises ValueError as add_mesh does, and for too few rows.
+        what they ask for of each place. lamp: what it emits is among the lights, too, so light that goes between
+        surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh does, and for too few rows.
         """
     def add_medium(
         self,
@@ -598,6 +600,8 @@ class Scene:
         """Set the radiance (3,) where no surface is, or a Sky, times the gain, and the alpha there. It lights
         nothing.
         """
+    def set_bounces(self, gloss: bool = False, diffuse: int = 0) -> None:
+        """Set what surfaces send to each other; without it, they reflect lights alone."""
     def set_origin(self, origin: ArrayLike) -> None:
         """Say to which place (3,) in the world, metres, all that is added is relative: single precision knows a
         place to 1e-7 of its distance from there. Cameras are, too.

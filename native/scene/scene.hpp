@@ -103,6 +103,7 @@ struct Instances {
     // What patterns ask for of a place: of each equally many numbers; or none.
     std::vector<float> values;
     Visibility visibility;
+    bool lamp = false; // whether lights stand for what it emits, too
 
     Instances() = default;
     Instances(Mesh mesh) // NOLINT(google-explicit-constructor): a mesh is an object in one place
@@ -194,6 +195,13 @@ struct Air {
     Visibility visibility;              // SHOWN or UNSEEN
 };
 
+// What surfaces send to each other: whether gloss shows the others, and how many times light goes between them before
+// it comes to what is matt.
+struct Bounces {
+    bool gloss = false;
+    int diffuse = 0;
+};
+
 struct Scene {
     std::vector<Instances> meshes;
     std::vector<Medium> media;        // where they overlap, their densities add
@@ -204,7 +212,8 @@ struct Scene {
     glm::vec3 background{0.0F};               // radiance where no surface is; it lights nothing
     std::shared_ptr<const SkyImage> backdrop; // times it, or none
     float background_alpha = 0.0F;            // 1 where the picture is to have none of another behind it
-    glm::dvec3 origin{0.0};                   // the place in the world to which all of it is relative
+    Bounces bounces;
+    glm::dvec3 origin{0.0}; // the place in the world to which all of it is relative
 };
 
 // Rays of a camera, perspective or orthographic. (u, v) runs over [0, 1]^2 from the lower left corner of the image:

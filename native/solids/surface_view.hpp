@@ -36,8 +36,8 @@ constexpr int GAIN = LEFT + CURVE_POINTS;
 constexpr int FLOATS = GAIN + 3 * CURVE_POINTS;
 } // namespace lobe_row
 
-// Of a material: what is diffuse, its number for a compositor, that of what varies of it, from 1 on, or 0, and its
-// layers of gloss from the top, of which only so many are there.
+// Of a material: what is diffuse, its number for a compositor, whether lights stand for what it emits, the number of
+// what varies of it, from 1 on, or 0, and its layers of gloss from the top, of which only so many are there.
 namespace material_row {
 enum {
     ALBEDO = 0,
@@ -47,6 +47,7 @@ enum {
     SPREADING = 12,
     ROUGHNESS,
     NUMBER,
+    LAMP,
     PATTERN,
     LOBES,
     FIRST_LOBE

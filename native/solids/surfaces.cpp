@@ -93,7 +93,7 @@ glm::vec3 again_of(const Diffuse &diffuse, const glm::vec3 &albedo) {
     return diffuse.spreading == Spreading::GROOVES_DEEPER ? again * albedo : again;
 }
 
-void append_rows(const Materials &materials, Solids &solids, std::vector<float> &properties) {
+void append_rows(const Materials &materials, bool lamp, Solids &solids, std::vector<float> &properties) {
     using namespace material_row;
     const std::size_t count = materials.albedo.size(), lobes = count == 0 ? 0 : materials.gloss.size() / count;
     for (std::size_t i = 0; i < count; ++i) {
@@ -107,6 +107,7 @@ void append_rows(const Materials &materials, Solids &solids, std::vector<float> 
         row[SPREADING] = static_cast<float>(diffuse.spreading);
         row[ROUGHNESS] = diffuse.roughness;
         row[NUMBER] = i < materials.index.size() ? static_cast<float>(materials.index[i]) : 0.0F;
+        row[LAMP] = lamp ? 1.0F : 0.0F;
         for (std::size_t k = 0; k < lobes; ++k) {
             const Gloss &gloss = materials.gloss[i * lobes + k];
             put_lobe(row.subspan(FIRST_LOBE + k * lobe_row::FLOATS), gloss, *solids.curves(gloss));
@@ -320,7 +321,7 @@ Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> ligh
         }
         const bool sheet = divided.sheet(number) && mesh.visibility.seen == Seen::SHOWN;
         const auto first_material = static_cast<std::int32_t>(properties_.size() / material_row::FLOATS);
-        append_rows(mesh.materials, solids, properties_);
+        append_rows(mesh.materials, mesh.lamp, solids, properties_);
         add_varying(mesh.materials, static_cast<std::size_t>(first_material), solids);
         for (const glm::vec3 &left : mesh.materials.transmittance) {
             transmittances_.insert(transmittances_.end(), {left.x, left.y, left.z});

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from . import RENDER, Named, Struct
 
-_INDIRECT = "light that surfaces or smoke pass on, of which we show none: only what comes straight from lamps"
+_INDIRECT = "light that glass or smoke pass on, of which we show none"
 _SAMPLING = "how fast and how evenly Cycles' noise goes; our pictures have none"
 _FILES = "how Blender writes the file, after our picture is done"
 _STAMP = "what Blender writes into the file or onto the picture"
@@ -97,7 +97,11 @@ CYCLES = Struct(
     "CyclesRenderSettings",
     "scene",
     "cycles",
-    followed={"the pixel filter and its width": "pixel_filter_type filter_width"},
+    followed={
+        "the pixel filter and its width": "pixel_filter_type filter_width",
+        "how often light goes between surfaces: gloss shows the others once or not at all, and with Bounced Light what is "
+        "matt is lit by them": "max_bounces diffuse_bounces glossy_bounces",
+    },
     named=(
         Named("film_exposure", (1.0,), "Film's Exposure of {value} is not followed; it is taken for 1"),
         Named("sample_clamp_direct", (0.0,), "Clamping of Direct Light at {value} is not followed; nothing is clamped"),
@@ -107,7 +111,7 @@ CYCLES = Struct(
               when=(("render.use_simplify", True),)),
     ),
     idle={
-        _INDIRECT: "max_bounces diffuse_bounces glossy_bounces transmission_bounces volume_bounces min_light_bounces "
+        _INDIRECT: "transmission_bounces volume_bounces min_light_bounces "
         "caustics_reflective caustics_refractive blur_glossy sample_clamp_indirect use_fast_gi fast_gi_method "
         "ao_bounces ao_bounces_render",
         "how many transparent surfaces Cycles looks through; we do through all": "transparent_max_bounces "

@@ -84,7 +84,7 @@ CASES: dict[str, Case] = {
 NAMED: dict[str, tuple[str, dict[str, object], str]] = {
     "Ashikhmin": (GLOSSY, {"distribution": "ASHIKHMIN_SHIRLEY"}, "Ashikhmin-Shirley, is shown as GGX"),
     "index below 1": (PRINCIPLED, {"IOR": 0.8, "Specular IOR Level": 0.5}, "its IOR of 0.8 is shown as 1.25"),
-    "a mirror": (PRINCIPLED, {"Roughness": 0.04}, "its Roughness of 0.04 is shown as 0.1"),
+    "a mirror": (PRINCIPLED, {"Roughness": 0.04}, "its Roughness of 0.04 is shown as 0.1 where it shows lamps"),
     "glow below a coat": (
         PRINCIPLED,
         {"Coat Weight": 1.0, "Coat Roughness": 0.3, "Emission Color": GREY, "Emission Strength": 1.0},
