@@ -32,6 +32,7 @@ from . import (
     voxels,
     world,
 )
+from .looks import Surface, brushed, diffuse_kinds, rows_of_gloss, transmittances
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -66,7 +67,7 @@ class _Group:
 
     name: str
     mesh: Any
-    surfaces: list[surfaces.Surface]  # none: nothing but what fills it is seen
+    surfaces: list[Surface]  # none: nothing but what fills it is seen
     triangles: meshes.Triangles | None  # of what glows
     material_indices: list[int]
     places: list[int] = field(default_factory=list)
@@ -248,7 +249,7 @@ def export(
         looks += [
             f"{group.name}: what its anisotropic gloss mirrors of the world is as if it were not"
             for group in solids
-            if not isinstance(light.shown, np.ndarray) and surfaces.brushed(group.surfaces)
+            if not isinstance(light.shown, np.ndarray) and brushed(group.surfaces)
         ]
     if lit == 0:
         out.notices.append("No light: nothing is lit. Add one, or raise its strength")
@@ -330,7 +331,7 @@ def _group_of(
     mesh = None
     if found is not None:
         wanted = () if made is None else made.channels
-        mesh = meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts, wanted)
+        mesh = meshes.mesh_of(thing, len(found), brushed(found), depsgraph, parts, wanted)
     if mesh is None:  # as of what nodes make points of
         found = None
     if found is None and vessel is None:
@@ -397,7 +398,7 @@ def add_surfaces(
     places, usable = _usable(out, group, which, matrices)
     indices = np.array([group.object_indices[number] for number in which], dtype=np.float64)[usable]
     emission = np.array([surface.emission for surface in group.surfaces])
-    transmittance = surfaces.transmittances(group.surfaces)
+    transmittance = transmittances(group.surfaces)
     values = np.array([group.values[number] for number in which])[usable] if group.textures is not None else None
     if any(surface.lets_through for surface in group.surfaces) and seen is not None and seen.seen in _WHOLE:
         out.notices.append(f"{group.name}: it lets light through, but is {_WHOLE[seen.seen]} as if it did not")
@@ -406,9 +407,9 @@ def add_surfaces(
             group.mesh,
             places,
             np.clip([surface.albedo for surface in group.surfaces], 0.0, 1.0),
-            surfaces.rows_of_gloss(group.surfaces),
+            rows_of_gloss(group.surfaces),
             emission=emission if emission.any() else None,
-            diffuse=surfaces.diffuse_kinds(group.surfaces),
+            diffuse=diffuse_kinds(group.surfaces),
             object_index=indices,
             material_index=np.array(group.material_indices, dtype=np.float64),
             visibility=visibility.native(seen),
