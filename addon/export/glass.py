@@ -80,13 +80,13 @@ def glass(shader: Shader) -> Look:
     set_facets(layer, shader)
     say_straight(shader, _roughness(shader), index)
     layers = [] if index.always(1.0) else [layer]
-    return Look(layers=layers, transmittance=colour * (1.0 - share), normal=shader.normal)
+    return Look(layers=layers, transmittance=colour * (1.0 - share), normal=shader.normal, glass=True)
 
 
 def refraction(shader: Shader) -> Look:
     """A Refraction BSDF, which reflects nothing."""
     say_straight(shader, _roughness(shader), _index(shader))
-    return Look(transmittance=fields.minimum(shader.colour("Color"), 1.0))
+    return Look(transmittance=fields.minimum(shader.colour("Color"), 1.0), glass=True)
 
 
 def transmitted(shader: Shader, index: Field, tint: Field, colour: Field) -> Field:

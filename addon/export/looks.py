@@ -52,6 +52,7 @@ class Look:
     roughness: Field = NONE  # of what is diffuse
     transmittance: Field = BLACK
     normal: Field | None = None
+    glass: bool = False  # whether what it lets through, Cycles would bend
 
 
 def laid_beside(top: Look, below: Look, part: Field) -> Look:
@@ -61,9 +62,9 @@ def laid_beside(top: Look, below: Look, part: Field) -> Look:
     rest = 1.0 - part
     emission = part * top.emission + rest * below.emission
     transmittance = part * top.transmittance + rest * below.transmittance
-    normal = below.normal or top.normal
+    normal, glass = below.normal or top.normal, top.glass or below.glass
     if not top.layers and not below.layers and below.diffuse == LAMBERT:
-        return Look(rest * below.albedo, [], emission, transmittance=transmittance, normal=normal)
+        return Look(rest * below.albedo, [], emission, transmittance=transmittance, normal=normal, glass=glass)
     layers = [replace(layer, share=layer.share * part, below=LEAVES_NOTHING) for layer in top.layers]
     left = part
     for layer in layers:
@@ -72,7 +73,9 @@ def laid_beside(top: Look, below: Look, part: Field) -> Look:
     if known is None or float(known[0]) > 1e-6:  # of the top, without gloss
         share = left / fields.maximum(1.0 - part + left, 1e-6)
         layers.append(Layer(BLACK, (ALL, ALL), below=LEAVES_NOTHING, share=share))
-    return Look(below.albedo, [*layers, *below.layers], emission, below.diffuse, below.roughness, transmittance, normal)
+    return Look(
+        below.albedo, [*layers, *below.layers], emission, below.diffuse, below.roughness, transmittance, normal, glass
+    )
 
 
 def _usual_black() -> NDArray[np.float64]:
@@ -103,6 +106,7 @@ class Surface:
     diffuse: tuple[int, float] = (LAMBERT, 0.0)  # a native kind, and its roughness
     transmittance: NDArray[np.float64] = field(default_factory=_usual_black)
     varying: dict[int, Field] = field(default_factory=dict)
+    glass: bool = False
 
     @property
     def glows(self) -> bool:
@@ -123,7 +127,7 @@ class Surface:
 
 
 def settled(look: Look) -> Surface:
-    out = Surface()
+    out = Surface(glass=look.glass)
 
     def number(slot: int, value: Field, low: float, high: float) -> float:
         value = fields.clipped(value, low, high)

@@ -57,7 +57,7 @@ def _of_one_gloss(shader: Shader, colour: Field, emission: Field, lobe: Layer) -
     lobe.share = 1.0 - clear
     look.layers = [*([] if clear.always(1.0) else look.layers), *([] if index.always(1.0) else [edge])]
     look.albedo = (1.0 - shader.number("Transmission")) * look.albedo
-    look.transmittance = clear * transmitted(shader, index, NONE + 1.0, colour)
+    look.glass, look.transmittance = True, clear * transmitted(shader, index, NONE + 1.0, colour)
     return look
 
 
@@ -82,7 +82,7 @@ def _layered(shader: Shader, colour: Field, emission: Field, lobe: Layer) -> Loo
         edge = fields.maximum(index, 1.0 / fields.maximum(index, 1e-5))
         layers.append(replace(lobe, reflectance=straight_on, index=edge, below=LEAVES_NOTHING, share=clear))
         beside_metal = (1.0 - metallic) * clear
-        look.transmittance = beside_metal * transmitted(shader, index, tint, colour)
+        look.glass, look.transmittance = True, beside_metal * transmitted(shader, index, tint, colour)
         if clear.always(1.0):
             look.albedo = BLACK
     if len(layers) > 0 and not shader.number("Coat Weight").always(0.0):

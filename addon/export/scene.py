@@ -152,6 +152,7 @@ def export(
     looks: list[str] = [] if smoke_alone else out.notices
     lit = 0
     suns: list[str] = []
+    sharp: list[str] = []
     layer = depsgraph.view_layer_eval
     flags = visibility.Flags(depsgraph, out.notices)
     media: list[tuple[int, str, smoke.Medium]] = []
@@ -194,6 +195,7 @@ def export(
                 )
                 lit += lights_something
                 suns += [thing.name] if lights_something and thing.data.type == "SUN" else []
+                sharp += [thing.name] if lights_something and lights.is_sharp(thing.data) else []
                 if not lies_over and (lights_something or (reach is None and thing.data.energy > 0.0)):
                     omissions.of("object", thing, thing.name, out.notices, "LIGHT")
                 continue
@@ -265,6 +267,8 @@ def export(
         smoke_alone and bool(media or points.bodies),
         out.notices,
     )
+    glass = (group.name for group in solids if any(surface.glass for surface in group.surfaces))
+    omissions.of_glass(dict.fromkeys(glass), sharp, depsgraph, looks)
     air.add_air(out.scene, depsgraph, origin, space, suns, out.notices)
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:

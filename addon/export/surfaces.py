@@ -113,6 +113,7 @@ def _blended(first: Look, second: Look, share: Field) -> Look | None:
     return Look(
         mix(first.albedo, second.albedo), layers, mix(first.emission, second.emission), first.diffuse,
         mix(first.roughness, second.roughness), mix(first.transmittance, second.transmittance),
+        glass=first.glass or second.glass,
     )  # fmt: skip
 
 
@@ -137,14 +138,15 @@ def added(shader: Shader, depth: int) -> Look | None:
     if first is None or second is None:
         return None
     emission, transmittance = first.emission + second.emission, first.transmittance + second.transmittance
+    glass = first.glass or second.glass
     for top, below in ((first, second), (second, first)):
         if top.albedo.always(0.0) and len(top.layers) < 2:
             layers = [*(replace(layer, below=0.0) for layer in top.layers), *below.layers]
-            look = replace(below, layers=layers, emission=emission, transmittance=transmittance)
+            look = replace(below, layers=layers, emission=emission, transmittance=transmittance, glass=glass)
             return _with_normal(look, first, second, shader)
     if not _both_lambertian(first, second):
         return None
-    both = Look(first.albedo + second.albedo, [], emission, transmittance=transmittance)
+    both = Look(first.albedo + second.albedo, [], emission, transmittance=transmittance, glass=glass)
     return _with_normal(both, first, second, shader)
 
 

@@ -46,14 +46,17 @@ def box(name: str, x: float, y: float, z: float) -> bpy.types.Mesh:
 
 
 def pane(
-    kind: str, place: tuple[float, float, float], turn: float, half: float = 0.5, thick: float = 0.01, **inputs: Any
+    kind: str,
+    place: tuple[float, float, float],
+    turn: float,
+    inputs: dict[str, Any],
+    half: float = 0.5,
+    thick: float = 0.01,
 ) -> bpy.types.Object:
     """Of a shader, turned about x from lying flat."""
     thing = link("Pane", box("Pane", half, half, thick), place)
     thing.rotation_euler = (math.radians(turn), 0.0, 0.0)
-    shader = harness.shade(thing.data, kind)
-    harness.put(shader, Roughness=0.0, IOR=1.45)
-    harness.put(shader, **inputs)
+    harness.put(harness.shade(thing.data, kind), **{"Roughness": 0.0, "IOR": 1.45, **inputs})
     return thing
 
 
@@ -88,45 +91,36 @@ def stage(smoke: bool = False) -> None:
 def upright() -> None:
     """Of two surfaces: smoke and the floor behind it, and before it its shadow."""
     stage(smoke=True)
-    pane(GLASS, (0.0, -0.9, 0.55), 70.0, Color=AMBER)
+    pane(GLASS, (0.0, -0.9, 0.55), 70.0, {"Color": AMBER})
 
 
 def single() -> None:
     """One surface, which bends what is seen through it: by little where its index is little."""
     stage()
-    pane(GLASS, (0.0, -0.2, 0.8), 30.0, thick=0.0, Color=TEAL, IOR=1.02)
+    pane(GLASS, (0.0, -0.2, 0.8), 30.0, {"Color": TEAL, "IOR": 1.02}, thick=0.0)
 
 
 def refracting() -> None:
     stage()
-    pane(REFRACTION, (0.0, -0.4, 0.6), 75.0, Color=TEAL)
+    pane(REFRACTION, (0.0, -0.4, 0.6), 75.0, {"Color": TEAL})
 
 
 def flat() -> None:
     """Its shadow, in which light comes at all angles."""
     stage()
-    pane(GLASS, (0.1, 0.3, 0.9), 10.0, 0.6, IOR=1.8, Color=AMBER)
+    pane(GLASS, (0.1, 0.3, 0.9), 10.0, {"Color": AMBER, "IOR": 1.8}, 0.6)
 
 
 def principled() -> None:
     stage()
-    pane(PRINCIPLED, (0.0, 0.0, 0.7), 50.0, Base_Color=AMBER, **{CLEAR: 1.0})
+    pane(PRINCIPLED, (0.0, 0.0, 0.7), 50.0, {"Base Color": AMBER, CLEAR: 1.0})
 
 
 def half_clear() -> None:
     """And the other half diffuse and glossy; a part of it metal. The lamp is mirrored, and so it must be rough."""
     stage()
-    pane(
-        PRINCIPLED,
-        (0.0, 0.2, 0.7),
-        20.0,
-        0.6,
-        0.0,
-        IOR=1.02,
-        Base_Color=TEAL,
-        Roughness=0.4,
-        **{CLEAR: 0.6, "Metallic": 0.3},
-    )
+    more = {"IOR": 1.02, "Base Color": TEAL, "Roughness": 0.4, CLEAR: 0.6, "Metallic": 0.3}
+    pane(PRINCIPLED, (0.0, 0.2, 0.7), 20.0, more, 0.6, 0.0)
 
 
 def coated() -> None:
@@ -134,13 +128,13 @@ def coated() -> None:
     if OLD:
         raise harness.Skip("there is no Coat")
     stage()
-    pane(PRINCIPLED, (0.0, -0.4, 0.7), 70.0, Base_Color=AMBER, **{CLEAR: 1.0, "Coat Weight": 0.8, "Coat Tint": TEAL})
+    pane(PRINCIPLED, (0.0, -0.4, 0.7), 70.0, {"Base Color": AMBER, CLEAR: 1.0, "Coat Weight": 0.8, "Coat Tint": TEAL})
 
 
 def two() -> None:
     stage()
-    pane(GLASS, (-0.2, -0.2, 0.6), 80.0, Color=AMBER)
-    pane(GLASS, (0.2, 0.4, 0.6), 60.0, Color=TEAL)
+    pane(GLASS, (-0.2, -0.2, 0.6), 80.0, {"Color": AMBER})
+    pane(GLASS, (0.2, 0.4, 0.6), 60.0, {"Color": TEAL})
 
 
 # What is allowed, and Cycles' samples.
@@ -211,7 +205,7 @@ def test_glass_is_cycles() -> None:
 def test_what_glass_does_not_do_is_named_once() -> None:
     stage()
     before = harness.said()
-    pane(GLASS, (0.0, 0.0, 0.6), 90.0, Roughness=0.3)
+    pane(GLASS, (0.0, 0.0, 0.6), 90.0, {"Roughness": 0.3})
     new = [line for line in harness.said() if line not in before]
     assert new == [
         "Pane: what is seen through its glass is sharp, in spite of its Roughness of 0.3",
@@ -222,7 +216,7 @@ def test_what_glass_does_not_do_is_named_once() -> None:
 def test_what_does_not_bend_light_is_not_named() -> None:
     stage()
     before = harness.said()
-    pane(REFRACTION, (0.0, 0.0, 0.6), 90.0, IOR=1.0)
+    pane(REFRACTION, (0.0, 0.0, 0.6), 90.0, {"IOR": 1.0})
     new = [line for line in harness.said() if line not in before]
     assert not new, new
 
