@@ -38,6 +38,7 @@ class Layer:
     beckmann: bool = False
     share: Field = ALL
     turn: Field = NONE
+    part: str = ""  # of a shader with several of a kind, which
 
 
 @dataclass
@@ -53,6 +54,23 @@ class Look:
     transmittance: Field = BLACK
     normal: Field | None = None
     glass: bool = False  # whether what it lets through, Cycles would bend
+
+
+CLEARCOAT = "clearcoat"
+
+
+def in_few(look: Look) -> Look:
+    """With no more layers than there may be, where those that stand for one clearcoat can be one."""
+    coats = [layer for layer in look.layers if layer.part.startswith(CLEARCOAT)]
+    if len(look.layers) <= MOST_LAYERS or len(coats) < 2:
+        return look
+    middle = coats[len(coats) // 2]
+    share = coats[0].share
+    for layer in coats[1:]:
+        share = share + layer.share
+    rest = [layer for layer in look.layers if layer not in coats]
+    place = look.layers.index(coats[0])
+    return replace(look, layers=[*rest[:place], replace(middle, share=share), *rest[place:]])
 
 
 def laid_beside(top: Look, below: Look, part: Field) -> Look:

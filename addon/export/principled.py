@@ -11,7 +11,20 @@ import numpy as np
 from .. import compat
 from .glass import cosine, reflected, reflected_at, transmitted
 from .inputs import Shader, index_of, reflectance_of, set_facets
-from .looks import ALL, BLACK, BURLEY, LEAVES_NOTHING, LEAVES_REST, NONE, WHITE, Layer, Look, laid_beside
+from .looks import (
+    ALL,
+    BLACK,
+    BURLEY,
+    CLEARCOAT,
+    LEAVES_NOTHING,
+    LEAVES_REST,
+    NONE,
+    SMOOTHEST,
+    WHITE,
+    Layer,
+    Look,
+    laid_beside,
+)
 from .shading import fields, places
 from .shading.fields import Field
 
@@ -48,17 +61,58 @@ def _of_one_gloss(shader: Shader, colour: Field, emission: Field, lobe: Layer) -
     lobe.index = index_of(plain)
     seen = not lobe.reflectance.always(0.0) or not lobe.index.always(1.0)  # a black metal is seen at the edge
     look = Look((1.0 - metallic) * colour, [lobe] if seen else [], emission, BURLEY, shader.number("Roughness"))
-    clear = (1.0 - metallic) * shader.number("Transmission")
-    if clear.always(0.0):
+    look.layers += _clearcoat(shader)
+    transmission = shader.number("Transmission")
+    if transmission.always(0.0) or metallic.always(1.0):
         return look
+    clear = (1.0 - metallic) * transmission
     index = _index(shader, 1.45)
     edge = replace(lobe, reflectance=1.0 + tint * (colour - WHITE), index=fields.maximum(index, 1.0))
     edge.share = clear * reflected(shader, index)
+    edge.part = "glass"
     lobe.share = 1.0 - clear
-    look.layers = [*([] if clear.always(1.0) else look.layers), *([] if index.always(1.0) else [edge])]
-    look.albedo = (1.0 - shader.number("Transmission")) * look.albedo
+    kept = [layer for layer in look.layers if layer is not lobe or not clear.always(1.0)]
+    look.layers = [*kept, *([] if index.always(1.0) else [edge])]
+    look.albedo = (1.0 - transmission) * look.albedo
     look.glass, look.transmittance = True, clear * transmitted(shader, index, NONE + 1.0, colour)
     return look
+
+
+# Gauss's nodes in [0, 1], and their weights.
+_NODES, _WEIGHTS = (0.11270166538, 0.5, 0.88729833462), (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
+
+
+def _clearcoat(shader: Shader) -> list[Layer]:
+    """Before Blender 4.0 a quarter of a varnish of index 1.5, which takes nothing from what is below it. The slopes of its
+    facets, Burley's (2012) GTR with an exponent of 1, are those of GGX with all alphas from its own to 1, each decade as
+    often: (1 - a^2) / t = int_{a^2}^1 du / (u cos^2 + sin^2)^2, with t = a^2 cos^2 + sin^2. Of these a few stand for all.
+    They mask each other as those of an alpha of 1/4 do; light is taken to come from as low as the eye is."""
+    weight = 0.25 * shader.number("Clearcoat")
+    if weight.always(0.0):
+        return []
+    rough = fields.maximum(shader.number("Clearcoat Roughness"), 1e-3)
+    known = rough.constant
+    if known is not None and float(known[0]) ** _NODES[-1] < SMOOTHEST:
+        shader.say(f"the sharpest of its Clearcoat of Roughness {float(known[0]):.3g} is shown as of {SMOOTHEST}")
+    alpha, plain = rough * rough, fields.constant((0.04, 0.04, 0.04))
+    whole = _reach(shader, fields.constant(0.25))
+    layers = []
+    for number, (node, share) in enumerate(zip(_NODES, _WEIGHTS)):
+        slope = fields.of("math", alpha, fields.constant(node), settings=("POWER",))
+        slope = fields.maximum(slope, SMOOTHEST * SMOOTHEST)
+        masked = _reach(shader, slope) / whole
+        name = f"{CLEARCOAT} {number}"
+        layers.append(
+            Layer(plain, (slope, slope), 1.0, fields.constant(1.5), share=share * weight * masked * masked, part=name)
+        )
+    return layers
+
+
+def _reach(shader: Shader, alpha: Field) -> Field:
+    """Twice the cosine to the eye over the share that facets of GGX leave unmasked (Smith 1967)."""
+    seen = cosine(shader)
+    square = seen * seen
+    return seen + fields.root(square + alpha * alpha * (1.0 - square))
 
 
 def _layered(shader: Shader, colour: Field, emission: Field, lobe: Layer) -> Look:
@@ -80,7 +134,9 @@ def _layered(shader: Shader, colour: Field, emission: Field, lobe: Layer) -> Loo
     if not clear.always(0.0) and not metallic.always(1.0):
         straight_on = fields.minimum(through * (reflectance_of(index) * tint), 1.0)
         edge = fields.maximum(index, 1.0 / fields.maximum(index, 1e-5))
-        layers.append(replace(lobe, reflectance=straight_on, index=edge, below=LEAVES_NOTHING, share=clear))
+        layers.append(
+            replace(lobe, reflectance=straight_on, index=edge, below=LEAVES_NOTHING, share=clear, part="glass")
+        )
         beside_metal = (1.0 - metallic) * clear
         look.glass, look.transmittance = True, beside_metal * transmitted(shader, index, tint, colour)
         if clear.always(1.0):

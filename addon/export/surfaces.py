@@ -23,6 +23,7 @@ from .looks import (
     Layer,
     Look,
     Surface,
+    in_few,
     laid_beside,
     settled,
 )
@@ -80,7 +81,7 @@ def _blended(first: Look, second: Look, share: Field) -> Look | None:
     """Between two looks of the same kinds of layers: of each its inputs are mixed."""
 
     def kind(layer: Layer) -> tuple[Any, ...]:
-        return layer.edge, layer.lossless, layer.below, layer.beckmann
+        return layer.edge, layer.lossless, layer.below, layer.beckmann, layer.part
 
     kinds = [[kind(layer) for layer in look.layers] for look in (first, second)]
     if first.diffuse != second.diffuse or any(len(set(each)) < len(each) for each in kinds):
@@ -163,7 +164,7 @@ def of_shader(source: Source, reader: Reader, depth: int = 0) -> Look | None:
     omissions.of_node(node, reader.owner, reader.notices)
     shader = Shader(source.place, reader)
     if node.type == "BSDF_PRINCIPLED":
-        return principled(shader)
+        return in_few(principled(shader))
     if node.type == "EMISSION":
         return Look(emission=shader.colour("Color") * shader.number("Strength", high=math.inf))
     if node.type == "BSDF_TRANSPARENT":
@@ -177,6 +178,7 @@ def of_shader(source: Source, reader: Reader, depth: int = 0) -> Look | None:
     found = None
     if node.type in {"MIX_SHADER", "ADD_SHADER"} and depth < MOST_LAYERS:
         found = (mixed if node.type == "MIX_SHADER" else added)(shader, depth)
+    found = None if found is None else in_few(found)
     return found if found is not None and len(found.layers) <= MOST_LAYERS else None
 
 

@@ -17,7 +17,8 @@ FOLLOWED = (
     Node(
         "ShaderNodeBsdfPrincipled",
         ("Base Color", "Normal", "Metallic", "Roughness", "Diffuse Roughness", "Anisotropic", "Anisotropic Rotation", "Specular",
-         "IOR", "Specular IOR Level", "Specular Tint", "Coat Weight", "Coat Roughness", "Coat IOR", "Coat Tint", "Emission",
+         "IOR", "Specular IOR Level", "Specular Tint", "Coat Weight", "Coat Roughness", "Coat IOR", "Coat Tint",
+         "Clearcoat", "Clearcoat Roughness", "Emission",
          "Emission Color", "Emission Strength", "Alpha", "Transmission", "Transmission Weight", "distribution"),
         (
             Socket("Coat Normal", (), "the coat is as the surface is", unless=("Coat Weight", 0.0)),
@@ -25,7 +26,7 @@ FOLLOWED = (
             Socket("Subsurface Weight", (0.0,), "it is diffuse"),
             Socket("Sheen", (0.0,), "it has none"),
             Socket("Sheen Weight", (0.0,), "it has none"),
-            Socket("Clearcoat", (0.0,), "it has none"),
+            Socket("Clearcoat Normal", (), "the clearcoat is as the surface is", unless=("Clearcoat", 0.0)),
             Socket("Thin Film Thickness", (0.0,), "there is no film"),
             Socket("Thin Wall", (False,), "it is solid"),
             Socket("Tangent", (), "it runs around the object's Z axis", unless=("Anisotropic", 0.0)),
@@ -35,8 +36,6 @@ FOLLOWED = (
                 "Subsurface Radius", "Subsurface Color", "Subsurface IOR", "Subsurface Anisotropy", "Subsurface Scale",
                 "subsurface_method"),
             "details of Sheen, which is named as a whole": ("Sheen Tint", "Sheen Roughness"),
-            "details of Clearcoat, which is named as a whole": (
-                "Clearcoat Roughness", "Clearcoat Normal"),
             "details of light that is bent, which is named as a whole": (
                 "Transmission Roughness", "Transmission Dispersion Scale", "Transmission Dispersion Abbe Number"),
             "details of Thin Film, which is named as a whole": ("Thin Film IOR",),

@@ -20,6 +20,8 @@ PRINCIPLED, GLOSSY, DIFFUSE = "ShaderNodeBsdfPrincipled", "ShaderNodeBsdfGlossy"
 BRUSHED = "ShaderNodeBsdfAnisotropic"  # a Glossy BSDF from 4.0 on
 METAL = {"Base Color": COPPER, "Metallic": 1.0}
 TINTED = {"Base Color": GREY, "Metallic": 1.0, "Specular Tint": TEAL}
+BLACK = (0.0, 0.0, 0.0, 1.0)
+CLEARCOAT = {"Clearcoat": 1.0, "Base Color": BLACK, "Specular": 0.0}
 GGX = {"Color": COPPER, "Roughness": 0.5, "distribution": "GGX"}
 BECKMANN = {"Color": COPPER, "Roughness": 0.5, "distribution": "BECKMANN"}
 CASES: dict[str, Case] = {
@@ -99,6 +101,11 @@ NAMED: dict[str, tuple[str, dict[str, object], str]] = {
 
 
 if bpy.app.version < (4, 0, 0):
+    NAMED["a smooth clearcoat"] = (
+        PRINCIPLED,
+        {"Clearcoat": 1.0, "Clearcoat Roughness": 0.03},
+        "the sharpest of its Clearcoat of Roughness 0.03 is shown as of 0.1",
+    )
     NAMED["random walks"] = (GLOSSY, {"distribution": "MULTI_GGX"}, "Multiscatter GGX, is shown as GGX")
     NAMED["random walks of a Principled BSDF"] = (PRINCIPLED, *NAMED["random walks"][1:])
 
@@ -153,6 +160,33 @@ def test_a_material_is_cycles() -> None:
         ratio = pictures.beside_cycles(name, SIZE, 16)
         if abs(ratio - 1.0) > 0.01:
             wrong[name] = ratio
+    assert not wrong, wrong
+
+
+# What is shown nearly as it is, and how nearly.
+NEARLY: dict[str, tuple[Case, float]] = {
+    "clearcoat, mirrored": ((PRINCIPLED, {**CLEARCOAT, "Clearcoat Roughness": 0.3}, 40.0, 40.0), 0.01),
+    "clearcoat, aside": ((PRINCIPLED, {**CLEARCOAT, "Clearcoat Roughness": 0.3}, 40.0, 20.0), 0.02),
+    # There masking counts, which goes by the eye alone.
+    "clearcoat, grazing": ((PRINCIPLED, {**CLEARCOAT, "Clearcoat Roughness": 0.5}, 75.0, 70.0), 0.06),
+    "half a rough clearcoat": (
+        (PRINCIPLED, {**CLEARCOAT, "Clearcoat": 0.5, "Clearcoat Roughness": 1.0}, 40.0, 20.0),
+        0.1,
+    ),
+    "clearcoat over a default": ((PRINCIPLED, {"Clearcoat": 1.0, "Clearcoat Roughness": 0.2}, 75.0, 70.0), 0.03),
+}
+
+
+def test_clearcoats_are_nearly_cycles() -> None:
+    if bpy.app.version >= (4, 0, 0):
+        raise harness.Skip("there is none")
+    wrong = {}
+    for name, (case, most) in NEARLY.items():
+        arrange(*case)
+        ratio = pictures.beside_cycles(name, SIZE, 64)
+        if abs(ratio - 1.0) > most:
+            wrong[name] = ratio
+        assert not log.notices(), (name, log.notices())
     assert not wrong, wrong
 
 
