@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ MOST_LAYERS = 4
 LEAVES_REST, LEAVES_NOTHING = 0.5, 1.0  # to what is below a layer of gloss
 SMOOTHEST = 0.1  # roughness
 LAMBERT, BURLEY = 0, 1  # native kinds of what is diffuse
+SHEEN, VELVET, FIBRES = 5, 6, 7  # and of sheens
 
 BLACK = fields.constant((0.0, 0.0, 0.0))
 WHITE = fields.constant((1.0, 1.0, 1.0))
@@ -54,6 +56,31 @@ class Look:
     transmittance: Field = BLACK
     normal: Field | None = None
     glass: bool = False  # whether what it lets through, Cycles would bend
+    translucence: Field = BLACK  # of light that falls on the other side
+    sheen: Field = BLACK
+    sheen_kind: int = SHEEN
+    sheen_roughness: Field = NONE
+
+    @property
+    def shades(self) -> bool:
+        """Whether its normal matters."""
+        return bool(self.layers) or not all(each.always(0.0) for each in (self.albedo, self.translucence, self.sheen))
+
+
+def besides(first: Look, second: Look, part: Field, rest: Field) -> dict[str, Any]:
+    """What is not layered, of shares of both; of two sheens one, of the kind of the first."""
+    of = first if second.sheen.always(0.0) else second
+    roughness = of.sheen_roughness
+    if not first.sheen.always(0.0) and not second.sheen.always(0.0):
+        roughness = 0.5 * (first.sheen_roughness + second.sheen_roughness)
+        of = first
+    return {
+        "glass": first.glass or second.glass,
+        "translucence": part * first.translucence + rest * second.translucence,
+        "sheen": part * first.sheen + rest * second.sheen,
+        "sheen_kind": of.sheen_kind,
+        "sheen_roughness": roughness,
+    }
 
 
 CLEARCOAT = "clearcoat"
@@ -80,9 +107,9 @@ def laid_beside(top: Look, below: Look, part: Field) -> Look:
     rest = 1.0 - part
     emission = part * top.emission + rest * below.emission
     transmittance = part * top.transmittance + rest * below.transmittance
-    normal, glass = below.normal or top.normal, top.glass or below.glass
+    normal, more = below.normal or top.normal, besides(top, below, part, rest)
     if not top.layers and not below.layers and below.diffuse == LAMBERT:
-        return Look(rest * below.albedo, [], emission, transmittance=transmittance, normal=normal, glass=glass)
+        return Look(rest * below.albedo, [], emission, transmittance=transmittance, normal=normal, **more)
     layers = [replace(layer, share=layer.share * part, below=LEAVES_NOTHING) for layer in top.layers]
     left = part
     for layer in layers:
@@ -92,7 +119,7 @@ def laid_beside(top: Look, below: Look, part: Field) -> Look:
         share = left / fields.maximum(1.0 - part + left, 1e-6)
         layers.append(Layer(BLACK, (ALL, ALL), below=LEAVES_NOTHING, share=share))
     return Look(
-        below.albedo, [*layers, *below.layers], emission, below.diffuse, below.roughness, transmittance, normal, glass
+        below.albedo, [*layers, *below.layers], emission, below.diffuse, below.roughness, transmittance, normal, **more
     )
 
 
@@ -111,6 +138,7 @@ class Gloss:
 
 # The slots of native patterns.
 _ALBEDO, _EMISSION, _TRANSMITTANCE, _ROUGHNESS, _NORMAL, _FIRST_LAYER, _OF_LAYER = 0, 3, 6, 9, 10, 13, 11
+_TRANSLUCENCE, _SHEEN, _SHEEN_ROUGHNESS = 57, 60, 63
 _REFLECTANCE, _DIP, _ALPHA, _INDEX, _SHARE, _TURN = 0, 3, 6, 8, 9, 10
 
 
@@ -125,6 +153,8 @@ class Surface:
     transmittance: NDArray[np.float64] = field(default_factory=_usual_black)
     varying: dict[int, Field] = field(default_factory=dict)
     glass: bool = False
+    translucence: NDArray[np.float64] = field(default_factory=_usual_black)
+    sheen: tuple[float, ...] = (0.0, 0.0, 0.0, SHEEN, 0.0)  # a colour, a native kind and its roughness
 
     @property
     def glows(self) -> bool:
@@ -163,6 +193,10 @@ def settled(look: Look) -> Surface:
     out.emission = colour(_EMISSION, look.emission, 1e30)
     out.transmittance = colour(_TRANSMITTANCE, look.transmittance)
     out.diffuse = look.diffuse, number(_ROUGHNESS, look.roughness, 0.0, 1.0)
+    out.translucence = colour(_TRANSLUCENCE, look.translucence)
+    of_sheen = colour(_SHEEN, look.sheen, 1e6)
+    if not look.sheen.always(0.0):
+        out.sheen = (*of_sheen, look.sheen_kind, number(_SHEEN_ROUGHNESS, look.sheen_roughness, 0.0, 1.0))
     for k, layer in enumerate(look.layers):
         first = _FIRST_LAYER + k * _OF_LAYER
         reflectance = colour(first + _REFLECTANCE, layer.reflectance)
@@ -199,6 +233,19 @@ def transmittances(surfaces: list[Surface]) -> NDArray[np.float64] | None:
     """Of all surfaces, (k, 3); None where they are opaque."""
     rows = np.array([surface.transmittance for surface in surfaces])
     return rows if rows.any() else None
+
+
+def translucences(surfaces: list[Surface]) -> NDArray[np.float64] | None:
+    """Of all surfaces, (k, 3); None where there is none."""
+    rows = np.array([surface.translucence for surface in surfaces])
+    varies = any(_TRANSLUCENCE in surface.varying for surface in surfaces)
+    return rows if varies or rows.any() else None
+
+
+def sheens(surfaces: list[Surface]) -> NDArray[np.float64] | None:
+    """Of all surfaces, (k, 5); None where there is none."""
+    rows = np.array([surface.sheen for surface in surfaces])
+    return rows if any(_SHEEN in surface.varying for surface in surfaces) or rows[:, :3].any() else None
 
 
 def diffuse_share(surface: Surface) -> float:

@@ -297,7 +297,8 @@ def surface_look(surface: looks.Surface, name: str, notices: list[str]) -> Look:
     depths = -2.0 * np.log(np.clip(surface.transmittance, LEAST_LEFT, 1.0))
     most = float(depths.max())
     relative = depths / most if most > 0.0 else np.ones(3)
-    albedo = looks.diffuse_share(surface) * surface.albedo / np.maximum(1.0 - surface.transmittance, LEAST_LEFT)
+    scattered = looks.diffuse_share(surface) * surface.albedo + surface.translucence
+    albedo = scattered / np.maximum(1.0 - surface.transmittance, LEAST_LEFT)
     return Look(np.clip(albedo, 0.0, 1.0), opacity=-float(np.expm1(-most)), relative=relative)
 
 

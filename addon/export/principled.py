@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from .. import compat
+from .fuzz import of_fibres, over
 from .glass import cosine, reflected, reflected_at, transmitted
 from .inputs import Shader, index_of, reflectance_of, set_facets
 from .looks import (
@@ -23,12 +24,14 @@ from .looks import (
     WHITE,
     Layer,
     Look,
+    besides,
     laid_beside,
 )
 from .shading import fields, places
 from .shading.fields import Field
 
 LUMINANCE = np.array((0.3, 0.6, 0.1))  # as Burley (2012) has it
+OF_SHEEN = np.array((0.2126, 0.7152, 0.0722))  # as Cycles has it there
 
 
 def principled(shader: Shader) -> Look:
@@ -63,6 +66,11 @@ def _of_one_gloss(shader: Shader, colour: Field, emission: Field, lobe: Layer) -
     look = Look((1.0 - metallic) * colour, [lobe] if seen else [], emission, BURLEY, shader.number("Roughness"))
     look.layers += _clearcoat(shader)
     transmission = shader.number("Transmission")
+    fibres = (1.0 - metallic) * (1.0 - transmission)
+    weight = shader.number("Sheen")
+    if not weight.always(0.0):
+        of_sheen = fields.of("over or one", colour, fields.of("weighted", colour, settings=(tuple(OF_SHEEN),)))
+        look.sheen = fibres * weight * (1.0 + shader.number("Sheen Tint") * (of_sheen - WHITE))
     if transmission.always(0.0) or metallic.always(1.0):
         return look
     clear = (1.0 - metallic) * transmission
@@ -121,6 +129,10 @@ def _layered(shader: Shader, colour: Field, emission: Field, lobe: Layer) -> Loo
     tint, layers = shader.colour("Specular Tint"), _coat(shader)
     through = _through_coat(shader) if layers else ALL
     metallic, clear = shader.number("Metallic"), shader.number("Transmission Weight")
+    fibres = _fibres(shader)
+    covered = NONE if fibres is None else over(fibres).share
+    if fibres is not None:
+        layers.insert(0, over(fibres))
     if not metallic.always(0.0):
         before_edge = colour + (1.0 - colour) * (6.0 / 7.0) ** 5
         dip = before_edge * (1.0 - fields.minimum(tint, 1.0))
@@ -130,18 +142,20 @@ def _layered(shader: Shader, colour: Field, emission: Field, lobe: Layer) -> Loo
     known = index.constant
     if known is not None and float(known[0]) < 1.0:
         shader.say(f"its IOR of {float(known[0]):.3g} is shown as {1.0 / float(known[0]):.3g}")
-    look = Look(through * colour, layers, emission)
+    look = Look(through * colour, layers, (1.0 - covered) * emission)
+    if fibres is not None:
+        look = replace(look, **besides(look, fibres, ALL, ALL))
     if not clear.always(0.0) and not metallic.always(1.0):
         straight_on = fields.minimum(through * (reflectance_of(index) * tint), 1.0)
         edge = fields.maximum(index, 1.0 / fields.maximum(index, 1e-5))
         layers.append(
             replace(lobe, reflectance=straight_on, index=edge, below=LEAVES_NOTHING, share=clear, part="glass")
         )
-        beside_metal = (1.0 - metallic) * clear
+        beside_metal = (1.0 - covered) * (1.0 - metallic) * clear
         look.glass, look.transmittance = True, beside_metal * transmitted(shader, index, tint, colour)
         if clear.always(1.0):
             look.albedo = BLACK
-    if len(layers) > 0 and not shader.number("Coat Weight").always(0.0):
+    if not shader.number("Coat Weight").always(0.0):
         left = _left_by_coat(shader) * through
         look.emission, look.transmittance = left * look.emission, left * look.transmittance
     plain = fields.minimum(2.0 * shader.number("Specular IOR Level") * reflectance_of(index), 1.0)
@@ -149,6 +163,14 @@ def _layered(shader: Shader, colour: Field, emission: Field, lobe: Layer) -> Loo
         straight_on = through * (plain * tint)
         layers.append(replace(lobe, reflectance=straight_on, index=index_of(plain), below=LEAVES_REST))
     return rough(look, shader.number("Diffuse Roughness"))
+
+
+def _fibres(shader: Shader) -> Look | None:
+    weight = shader.number("Sheen Weight")
+    if weight.always(0.0):
+        return None
+    colour = weight * fields.minimum(shader.colour("Sheen Tint"), 1.0)
+    return of_fibres(shader, colour, shader.number("Sheen Roughness"), "Sheen Roughness")
 
 
 def _index(shader: Shader, absent: float) -> Field:

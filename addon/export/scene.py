@@ -32,7 +32,7 @@ from . import (
     voxels,
     world,
 )
-from .looks import Surface, brushed, diffuse_kinds, rows_of_gloss, transmittances
+from .looks import Surface, brushed, diffuse_kinds, rows_of_gloss, sheens, translucences, transmittances
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -420,6 +420,8 @@ def add_surfaces(
             transmittance=transmittance,
             patterns=[] if group.textures is None else group.textures.patterns,
             values=values,
+            translucence=translucences(group.surfaces),
+            sheen=sheens(group.surfaces),
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")

@@ -23,10 +23,12 @@ from .looks import (
     Layer,
     Look,
     Surface,
+    besides,
     in_few,
     laid_beside,
     settled,
 )
+from .fuzz import sheen
 from .materials import active_output, materials_of
 from .principled import principled, rough
 from .shading import fields, places
@@ -114,7 +116,7 @@ def _blended(first: Look, second: Look, share: Field) -> Look | None:
     return Look(
         mix(first.albedo, second.albedo), layers, mix(first.emission, second.emission), first.diffuse,
         mix(first.roughness, second.roughness), mix(first.transmittance, second.transmittance),
-        glass=first.glass or second.glass,
+        **besides(first, second, 1.0 - share, share),
     )  # fmt: skip
 
 
@@ -126,8 +128,7 @@ def _with_normal(look: Look, first: Look, second: Look, shader: Shader) -> Look:
     """Where both have one, the first's; a glow needs none."""
     bent = [each.normal for each in (first, second) if each.normal is not None]
     if len({normal.digest for normal in bent}) > 1 or (
-        len(bent) == 1
-        and any(each.normal is None and (each.layers or not each.albedo.always(0.0)) for each in (first, second))
+        len(bent) == 1 and any(each.normal is None and each.shades for each in (first, second))
     ):
         shader.say("all of its shaders have the Normal of the first that is linked")
     return replace(look, normal=bent[0] if bent else None)
@@ -139,15 +140,15 @@ def added(shader: Shader, depth: int) -> Look | None:
     if first is None or second is None:
         return None
     emission, transmittance = first.emission + second.emission, first.transmittance + second.transmittance
-    glass = first.glass or second.glass
+    more = besides(first, second, ALL, ALL)
     for top, below in ((first, second), (second, first)):
         if top.albedo.always(0.0) and len(top.layers) < 2:
             layers = [*(replace(layer, below=0.0) for layer in top.layers), *below.layers]
-            look = replace(below, layers=layers, emission=emission, transmittance=transmittance, glass=glass)
+            look = replace(below, layers=layers, emission=emission, transmittance=transmittance, **more)
             return _with_normal(look, first, second, shader)
     if not _both_lambertian(first, second):
         return None
-    both = Look(first.albedo + second.albedo, [], emission, transmittance=transmittance, glass=glass)
+    both = Look(first.albedo + second.albedo, [], emission, transmittance=transmittance, **more)
     return _with_normal(both, first, second, shader)
 
 
@@ -171,6 +172,10 @@ def of_shader(source: Source, reader: Reader, depth: int = 0) -> Look | None:
         return Look(transmittance=shader.colour("Color"))
     if node.type == "BSDF_DIFFUSE":
         return rough(Look(shader.colour("Color"), normal=shader.normal), shader.number("Roughness"))
+    if node.type == "BSDF_TRANSLUCENT":
+        return Look(translucence=fields.minimum(shader.colour("Color"), 1.0), normal=shader.normal)
+    if node.type in {"BSDF_SHEEN", "BSDF_VELVET"}:
+        return sheen(shader)
     if node.type in {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"}:
         return glossy(shader)
     if node.type in {"BSDF_GLASS", "BSDF_REFRACTION"}:

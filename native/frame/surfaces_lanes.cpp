@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stage of the surfaces: the first on each ray of a packet, and the light on it past solids and smoke.
-#include "frame/reflected_lanes.hpp"
+#include "frame/more_lanes.hpp"
 #include "lights/sky_lanes.hpp"
 
 #include <algorithm>
@@ -67,7 +67,7 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
     Reflected light = no_light();
     Reflected own = light;
     if (xsimd::any(surface.hit)) {
-        own = light = reflected(frame, wanted, packet, ray, surface);
+        own = light = all_reflected(frame, wanted, packet, ray, surface);
         if (radiance && !frame.surfaces.plain) {
             const Mask held = where(surface, [](const Visibility &v) { return v.seen == Seen::HOLDOUT; });
             const Mask catching = catchers(surface);

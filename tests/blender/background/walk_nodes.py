@@ -88,7 +88,8 @@ def link_unknown(node: Any, socket: Any) -> None:
 NEEDS = {"Anisotropic Rotation": "Anisotropic", "Rotation": "Anisotropy", "Coat Roughness": "Coat Weight",
          "Coat IOR": "Coat Weight", "Emission Color": "Emission Strength", "Blackbody Tint": "Blackbody Intensity",
          "Temperature": "Blackbody Intensity", "IOR": "Transmission", "Clearcoat Roughness": "Clearcoat",
-         "Coat Tint": "Coat Weight", "Random": "Random Roughness"}  # fmt: skip
+         "Coat Tint": "Coat Weight", "Sheen Roughness": "Sheen Weight", "Random": "Random Roughness",
+         "Sheen Tint": "Sheen" if bpy.app.version < (4, 0, 0) else "Sheen Weight"}  # fmt: skip
 
 
 def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
