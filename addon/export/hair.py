@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import compat
-from . import omissions, surfaces
+from . import looks, omissions, surfaces
 from .materials import active_output, linked_node, materials_of, value_of
 
 _EUMELANIN = np.array((0.506, 0.841, 1.653))
@@ -136,22 +136,22 @@ def _fibres(shader: Any, count: int, reader: Reader) -> Look:
     return Look(fibre=rows, material=np.arange(count) if len(rows) > 1 else None)
 
 
-def _matt(surface: surfaces.Surface, reader: Reader, name: str) -> Look:
+def _matt(surface: looks.Surface, reader: Reader, name: str) -> Look:
     reader.say(f"its hair's shader {name} is shown as Kajiya and Kay's (1989), which has one highlight")
     if surface.emission.any():
         reader.say("its hair's glow is not shown")
-    gloss = surface.gloss[0] if surface.gloss else surfaces.Gloss(np.zeros(3), (0.3, 0.3))
+    gloss = surface.gloss[0] if surface.gloss else looks.Gloss(np.zeros(3), (0.3, 0.3))
     roughness = np.clip(max(gloss.alpha) ** 0.5, 0.05, 1.0)
     row = (*np.clip(surface.albedo, 0.0, 1.0), *np.clip(gloss.reflectance, 0.0, 1.0), roughness)
     return Look(matt=np.array([row]))
 
 
-def _hair_bsdf(shader: Any, reader: Reader) -> surfaces.Surface:
+def _hair_bsdf(shader: Any, reader: Reader) -> looks.Surface:
     colour = np.clip(reader.colour(shader, "Color"), 0.0, 1.0)
     if shader.component == "Transmission":
-        return surfaces.Surface(colour)
+        return looks.Surface(colour)
     roughness = max(reader.number(shader, "RoughnessU"), 0.05)
-    return surfaces.Surface(gloss=[surfaces.Gloss(colour, (roughness**2, roughness**2))])
+    return looks.Surface(gloss=[looks.Gloss(colour, (roughness**2, roughness**2))])
 
 
 def look_of(material: Any, count: int, owner: str, notices: list[str]) -> Look:
@@ -162,7 +162,7 @@ def look_of(material: Any, count: int, owner: str, notices: list[str]) -> Look:
         return _fibres(shader, count, reader)
     if shader is not None and not shader.mute and shader.type == "BSDF_HAIR":
         return _matt(_hair_bsdf(shader, reader), reader, shader.bl_rna.name)
-    surface = surfaces.surface_of(material, owner, notices) or surfaces.Surface()
+    surface = surfaces.surface_of(material, owner, notices) or looks.Surface()
     return _matt(surface, reader, "material" if shader is None else shader.bl_rna.name)
 
 

@@ -42,6 +42,13 @@ def add_light(scene: Any, thing: Any, matrix: NDArray[np.float64], notices: list
     return True
 
 
+def is_sharp(light: Any) -> bool:
+    """Whether it has no size, so that no ray meets it by chance."""
+    if light.type == "AREA":
+        return False
+    return float(light.angle if light.type == "SUN" else light.shadow_soft_size) == 0.0
+
+
 def emission_of(thing: Any, notices: list[str]) -> NDArray[np.float64]:
     """What a light's nodes make of its colour and strength: each of them is multiplied by this."""
     light = thing.data

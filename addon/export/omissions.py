@@ -122,6 +122,25 @@ def of_pane(name: str, found: list[Any], space: Any, notices: list[str]) -> None
         notices.append(f"{name}: light passes through it, but in Material Preview it hides the smoke behind it")
 
 
+def of_glass(names: Iterable[str], sharp: Iterable[str], depsgraph: Any, notices: list[str]) -> None:
+    """What Cycles makes otherwise of light through glass, as the scene is set; `sharp` are lamps without a size."""
+    scene, layer = depsgraph.scene, depsgraph.view_layer_eval
+    asked = depsgraph.mode == "RENDER" and any(getattr(layer, f"use_pass_{name}") for name in _PASSES_OF_SURFACES)
+    dark = _value(scene, "cycles.caustics_refractive") is False
+    opaque = scene.render.film_transparent and _value(scene, "cycles.film_transparent_glass") is False
+    any_glass = False
+    for name in names:
+        any_glass = True
+        if dark:
+            notices.append(f"{name}: its glass casts a shadow in its color, though Refractive Caustics is off")
+        if opaque:
+            notices.append(f"{name}: the transparent film is seen through its glass, though Transparent Glass is off")
+        if asked:
+            notices.append(f"{name}: passes tell of what is behind its glass")
+    if any_glass and not dark:
+        notices += [f"{name}: its light passes through glass, though without a size it would not" for name in sharp]
+
+
 def of_surface(thing: Any, glows: bool, depsgraph: Any, notices: list[str]) -> None:
     """What one object with surfaces is set to, beyond the switches of all; `glows` if it emits."""
     of_copy(thing, glows, notices)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .. import props
 from ..limits import MOST_SPHERES
-from . import materials, surfaces, visibility
+from . import looks, materials, surfaces, visibility
 from .known.objects import POINTS
 from .shading import shaders
 
@@ -59,7 +59,7 @@ class Body:
     places: Floats  # (n, 3)
     radii: Floats  # (n,)
     look: Look | None
-    surface: surfaces.Surface | None = None
+    surface: looks.Surface | None = None
     object_index: int = 0
     material_index: int = 0
     matrices: list[NDArray[np.float64]] = field(default_factory=list)
@@ -289,7 +289,7 @@ def seen_through_look(material: Any, name: str, notices: list[str]) -> Look | No
     return surface_look(surface, name, notices)
 
 
-def surface_look(surface: surfaces.Surface, name: str, notices: list[str]) -> Look:
+def surface_look(surface: looks.Surface, name: str, notices: list[str]) -> Look:
     """That of puffs of which the middle hides as much as both sides of a sphere that has this surface. They have its diffuse
     part alone."""
     if surface.emission.any():
@@ -297,7 +297,8 @@ def surface_look(surface: surfaces.Surface, name: str, notices: list[str]) -> Lo
     depths = -2.0 * np.log(np.clip(surface.transmittance, LEAST_LEFT, 1.0))
     most = float(depths.max())
     relative = depths / most if most > 0.0 else np.ones(3)
-    albedo = surfaces.diffuse_share(surface) * surface.albedo / np.maximum(1.0 - surface.transmittance, LEAST_LEFT)
+    scattered = looks.diffuse_share(surface) * surface.albedo + surface.translucence
+    albedo = scattered / np.maximum(1.0 - surface.transmittance, LEAST_LEFT)
     return Look(np.clip(albedo, 0.0, 1.0), opacity=-float(np.expm1(-most)), relative=relative)
 
 

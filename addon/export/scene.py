@@ -33,6 +33,7 @@ from . import (
     voxels,
     world,
 )
+from .looks import Surface, brushed, diffuse_kinds, rows_of_gloss, sheens, translucences, transmittances
 from .parts import Parts
 from .visibility import Reach, Visibility
 
@@ -68,7 +69,7 @@ class _Group:
 
     name: str
     mesh: Any
-    surfaces: list[surfaces.Surface]  # none: nothing but what fills it is seen
+    surfaces: list[Surface]  # none: nothing but what fills it is seen
     triangles: meshes.Triangles | None  # of what glows
     material_indices: list[int]
     places: list[int] = field(default_factory=list)
@@ -156,6 +157,7 @@ def export(
     looks: list[str] = [] if smoke_alone else out.notices
     lit = 0
     suns: list[str] = []
+    sharp: list[str] = []
     layer = depsgraph.view_layer_eval
     flags = visibility.Flags(depsgraph, out.notices)
     media: list[tuple[int, str, smoke.Medium]] = []
@@ -198,6 +200,7 @@ def export(
                 )
                 lit += lights_something
                 suns += [thing.name] if lights_something and thing.data.type == "SUN" else []
+                sharp += [thing.name] if lights_something and lights.is_sharp(thing.data) else []
                 if not lies_over and (lights_something or (reach is None and thing.data.energy > 0.0)):
                     omissions.of("object", thing, thing.name, out.notices, "LIGHT")
                 continue
@@ -253,7 +256,7 @@ def export(
         looks += [
             f"{group.name}: what its anisotropic gloss mirrors of the world is as if it were not"
             for group in solids
-            if not isinstance(light.shown, np.ndarray) and surfaces.brushed(group.surfaces)
+            if not isinstance(light.shown, np.ndarray) and brushed(group.surfaces)
         ]
     if lit == 0:
         out.notices.append("No light: nothing is lit. Add one, or raise its strength")
@@ -269,6 +272,8 @@ def export(
         smoke_alone and bool(media or points.bodies),
         out.notices,
     )
+    glass = (group.name for group in solids if any(surface.glass for surface in group.surfaces))
+    omissions.of_glass(dict.fromkeys(glass), sharp, depsgraph, looks)
     air.add_air(out.scene, depsgraph, origin, space, suns, out.notices)
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:
@@ -335,7 +340,7 @@ def _group_of(
     mesh = None
     if found is not None:
         wanted = () if made is None else made.channels
-        mesh = meshes.mesh_of(thing, len(found), surfaces.brushed(found), depsgraph, parts, wanted)
+        mesh = meshes.mesh_of(thing, len(found), brushed(found), depsgraph, parts, wanted)
     if mesh is None:  # as of what nodes make points of
         found = None
     if found is None and vessel is None:
@@ -402,7 +407,7 @@ def add_surfaces(
     places, usable = _usable(out, group, which, matrices)
     indices = np.array([group.object_indices[number] for number in which], dtype=np.float64)[usable]
     emission = np.array([surface.emission for surface in group.surfaces])
-    transmittance = surfaces.transmittances(group.surfaces)
+    transmittance = transmittances(group.surfaces)
     values = np.array([group.values[number] for number in which])[usable] if group.textures is not None else None
     if any(surface.lets_through for surface in group.surfaces) and seen is not None and seen.seen in _WHOLE:
         out.notices.append(f"{group.name}: it lets light through, but is {_WHOLE[seen.seen]} as if it did not")
@@ -412,9 +417,9 @@ def add_surfaces(
             group.mesh,
             places,
             np.clip([surface.albedo for surface in group.surfaces], 0.0, 1.0),
-            surfaces.rows_of_gloss(group.surfaces),
+            rows_of_gloss(group.surfaces),
             emission=emission if emission.any() else None,
-            diffuse=surfaces.diffuse_kinds(group.surfaces),
+            diffuse=diffuse_kinds(group.surfaces),
             object_index=indices,
             material_index=np.array(group.material_indices, dtype=np.float64),
             visibility=visibility.native(seen),
@@ -422,6 +427,8 @@ def add_surfaces(
             patterns=[] if group.textures is None else group.textures.patterns,
             values=values,
             lamp=bool(emitters) and None not in emitters,
+            translucence=translucences(group.surfaces),
+            sheen=sheens(group.surfaces),
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from . import meshes, pictures, surfaces
+from . import looks, meshes, pictures
 from .channels import Channel
 from .parts import Parts
 from .shading import patterns, places
@@ -107,7 +107,7 @@ MOST_GLOWING = 1000  # triangles
 
 
 def textures_of(
-    thing: Any, found: list[surfaces.Surface], parts: Parts, origin: NDArray[np.float64], notices: list[str]
+    thing: Any, found: list[looks.Surface], parts: Parts, origin: NDArray[np.float64], notices: list[str]
 ) -> Textures | None:
     """Of an object's surfaces; None where nothing varies."""
     if not any(surface.varying for surface in found):
@@ -127,12 +127,18 @@ def textures_of(
             made.append(_pattern(surface.varying, channels, parts, origin))
             glow = {slot: value for slot, value in surface.varying.items() if slot in range(3, 6)}
             if glow:
-                notices.append(f"{thing.name}: each of its faces lights evenly, whatever its texture")
+                if _differs(glow.values()):
+                    notices.append(f"{thing.name}: each of its faces lights evenly, whatever its texture")
                 emission[number] = _pattern(glow, channels, parts, origin)
         except (patterns.TooLarge, RecursionError):
             made.append(None)
             notices.append(f"{thing.name}: its material's nodes are too many to follow; it is shown without them")
     return Textures(made, channels, emission)
+
+
+def _differs(wanted: Iterable[Field]) -> bool:
+    """From place to place, and not only with the angle."""
+    return not frozenset[str]().union(*(value.attributes for value in wanted)) <= {places.NORMAL, places.INCOMING}
 
 
 def _said(name: str) -> str:

@@ -105,8 +105,9 @@ constexpr float LEAST_GLOSS = 0.01F;
 // The least slope of facets that lights know: ALPHA_MIN.
 constexpr float LEAST_ALPHA = 0.01F;
 
+// `settled`: by what is kept, and one ray where a mirror would have it; else by rays that differ from pixel to pixel.
 [[gnu::noinline]] inline FromOthers from_others(const FrameView &frame, const Packet &packet, const Ray &ray,
-                                                const Surface &surface, Mask asked) {
+                                                const Surface &surface, Mask asked, bool settled) {
     constexpr double GOLDEN = 0.6180339887498949;
     constexpr std::size_t GLOSS_LOOKS = 2;
     const BounceView &bounces = frame.bounces;
@@ -143,10 +144,10 @@ constexpr float LEAST_ALPHA = 0.01F;
             seen[k] = seen_facets(surface, lobe, to_eye);
         }
     }
-    if (bounces.settled && dull) {
+    if (settled && dull) {
         out.dull.found = kept_lanes(*bounces.cache, start, surface.normal, asked).settled;
     }
-    const bool gathers = dull && !bounces.settled && packet.looks > 0;
+    const bool gathers = dull && !settled && packet.looks > 0;
     if (!gathers && !any_gloss) {
         return out;
     }
@@ -192,14 +193,15 @@ constexpr float LEAST_ALPHA = 0.01F;
                 dull_looks = dull_looks + 1.0F;
             }
             for (int k = 0; k < lobes && i < GLOSS_LOOKS; ++k) {
-                const Mask these = (i == 0 ? sharp[k] : Mask(false)) | (packet.looks > 0 ? blurred[k] : Mask(false));
+                const Mask these =
+                    (i == 0 ? sharp[k] : Mask(false)) | (settled || packet.looks > 0 ? blurred[k] : Mask(false));
                 if (!xsimd::any(these)) {
                     continue;
                 }
                 // A view that moves shows what lies where a mirror would. Slopes of less than the least are in
                 // proportion.
                 const Real narrow = min(alpha_of(surface.lobe[k]) * (1.0F / LEAST_ALPHA), 1.0F);
-                const Real spread = bounces.settled ? Real(0.0F) : narrow;
+                const Real spread = settled ? Real(0.0F) : narrow;
                 const vec3 facet = MicrofacetsText().seen_facet(seen[k].m, x1 * spread, y1 * spread);
                 const vec3 towards = seen[k].mirrored(facet);
                 const Real worth =
@@ -212,9 +214,9 @@ constexpr float LEAST_ALPHA = 0.01F;
     };
     const auto looks = static_cast<std::size_t>(std::max(packet.looks, 1));
     look(start, Real::load_aligned(packet.look_u), Real::load_aligned(packet.look_v),
-         bounces.settled ? 1
-         : gathers       ? looks
-                         : std::min(looks, GLOSS_LOOKS));
+         settled   ? 1
+         : gathers ? looks
+                   : std::min(looks, GLOSS_LOOKS));
     if (gathers) {
         out.dull.found = out.dull.found * (1.0F / dull_looks);
     }
@@ -229,6 +231,21 @@ constexpr float LEAST_ALPHA = 0.01F;
         out.gloss.found[c] = out.gloss.found[c] / max(out.gloss.weight[c], 1e-20F);
     }
     return out;
+}
+
+// What neighbouring pixels share is no edge.
+inline void add_from_others(const FromOthers &others, Reflected &light) {
+    const vec3 shared =
+        multiplied(others.dull.weight, others.dull.found) + multiplied(others.gloss.weight, others.gloss.found);
+    for (int c = 0; c < 3; ++c) {
+        const Real sharp = component(others.sharp, c);
+        light.shadowed[c] = light.shadowed[c] + sharp + component(shared, c);
+        light.open[c] = light.open[c] + sharp;
+        light.bounced[c] = sharp + component(shared, c);
+        light.unshadowed = light.unshadowed + sharp * (1.0F / 3.0F);
+        light.even = light.even + sharp * (1.0F / 3.0F);
+        light.even_unshadowed = light.even_unshadowed + sharp * (1.0F / 3.0F);
+    }
 }
 
 } // namespace

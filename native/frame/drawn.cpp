@@ -3,6 +3,7 @@
 
 #include "frame/frame.hpp"
 #include "scene/scene.hpp"
+#include "solids/all_hits.hpp"
 #include "text/camera_text.hpp"
 
 #include <algorithm>
@@ -117,7 +118,7 @@ private:
 // One sheet's triangles, each cut into equal ones that are not larger than LONGEST of the picture's width.
 class Cut {
 public:
-    Cut(const Eye &eye, const float *properties) : eye_(eye), properties_(properties) {}
+    explicit Cut(const Eye &eye) : eye_(eye) {}
 
     void add(const Surfaces::Sheet &sheet, std::vector<SheetPoint> &points, Triangles &out) const {
         const Shape &shape = *sheet.shape;
@@ -132,8 +133,6 @@ public:
                 longest =
                     std::max(longest, eye_.share(double{glm::distance(corner[i], corner[(i + 1) % 3])}, corner[i]));
             }
-            const std::uint32_t material =
-                sheet.first_material + (shape.material.empty() ? 0 : shape.material[triangle]);
             const int pieces = static_cast<int>(std::clamp(std::ceil(longest / LONGEST), 1.0, MOST));
             const auto point = [&](int i, int j) {
                 const float u = static_cast<float>(i) / static_cast<float>(pieces);
@@ -143,17 +142,11 @@ public:
                 out.corners.push_back(place);
                 out.strip.emplace_back(0.0F);
             };
-            const auto whole = [&] {
-                out.opacity.push_back(
-                    1.0F - properties_[std::size_t{material} * material_row::FLOATS + material_row::TRANSMITTANCE]);
-            };
             for (int i = 0; i < pieces; ++i) {
                 for (int j = 0; i + j < pieces; ++j) {
                     point(i, j), point(i + 1, j), point(i, j + 1);
-                    whole();
                     if (i + j + 1 < pieces) {
                         point(i + 1, j), point(i + 1, j + 1), point(i, j + 1);
-                        whole();
                     }
                 }
             }
@@ -164,8 +157,24 @@ private:
     static constexpr double LONGEST = 1.0 / 24.0, MOST = 24.0;
 
     const Eye &eye_;
-    const float *properties_;
 };
+
+// What pieces of sheets hide, three points each: the mean of what these do, of which glass lets the less through the
+// more it is seen from aside.
+void add_opacities(const FrameView &frame, std::span<const SheetPoint> points, const InstructionSet &with,
+                   std::vector<float> &out) {
+    std::vector<Hit> hits;
+    std::vector<glm::vec3> origins, directions, through;
+    for (const SheetPoint &point : points) {
+        hits.push_back({static_cast<int>(hits.size()), point.distance, point.place, point.triangle, point.u, point.v});
+        origins.push_back(point.point - point.direction * point.distance);
+        directions.push_back(point.direction);
+    }
+    transmittances_of(frame.surfaces, hits, origins, directions, through, with);
+    for (std::size_t i = 0; i + 2 < through.size(); i += 3) {
+        out.push_back(1.0F - (through[i].x + through[i + 1].x + through[i + 2].x) / 3.0F);
+    }
+}
 
 } // namespace
 
@@ -222,10 +231,11 @@ Triangles Frame::triangles(const Camera &camera, int width, int height) const {
     const std::size_t strips = out.opacity.size();
     std::vector<SheetPoint> points;
     const Eye eye(camera);
-    const Cut cut(eye, seen.frame.surfaces.properties);
+    const Cut cut(eye);
     for (const Surfaces::Sheet &sheet : content_.surfaces->sheet_places()) {
         cut.add(sheet, points, out);
     }
+    add_opacities(seen.frame, points, *instruction_set_, out.opacity);
     std::vector<glm::vec3> light(segments.size());
     out.colour.resize(out.corners.size());
     const std::span<glm::vec3> sheets = std::span(out.colour).subspan(3 * strips);

@@ -507,6 +507,16 @@ inline vec3 grooves(const Surface &surface, const vec3 &towards, const vec3 &to_
     return {surface.again.x * lost + once, surface.again.y * lost + once, surface.again.z * lost + once};
 }
 
+// What fibres send of it, likewise.
+[[gnu::noinline]] inline Real sheen(const Surface &surface, const vec3 &towards, const vec3 &to_eye) {
+    const Real light = dot(surface.normal, towards), eye = dot(surface.normal, to_eye), between = dot(towards, to_eye);
+    const Mask velvet = surface.spreading == static_cast<float>(Spreading::VELVET);
+    const Mask fibres = surface.spreading == static_cast<float>(Spreading::FIBRES);
+    return pick(
+        velvet, SurfacesText().velvet(light, eye, between, surface.roughness),
+        pick(fibres, SurfacesText().fibres(light, eye, between, surface.roughness), SurfacesText().sheen(between)));
+}
+
 // What a diffuse surface sends to the eye of a light, over Lambert's: Burley's of light from the middle of it, for all
 // of it; grooves' as the mean over points of the light, by what each brings, since they send most of it back.
 inline vec3 over_lamberts(const Surface &surface, const LightView &light, const vec3 &point, const vec3 &to_eye) {
@@ -531,15 +541,23 @@ inline vec3 over_lamberts(const Surface &surface, const LightView &light, const 
     if (!any_spreads(surface, Spreading::GROOVES)) {
         return out;
     }
-    constexpr int SIDE = 4; // of a lattice whose rows are shifted
+    const bool sheens = any_spreads(surface, Spreading::SHEEN); // and then all lanes are
+    // Of a lattice whose rows are shifted; of a sky only half of it is above the surface.
+    const int side = sheens && light.surrounds() ? 12 : 4;
     vec3 sum{0.0F, 0.0F, 0.0F};
     Real weights = 1e-30F;
-    for (int k = 0; k < SIDE * SIDE; ++k) {
-        const Real u = (static_cast<float>(k) + 0.5F) / (SIDE * SIDE), v = (static_cast<float>(k % SIDE) + 0.5F) / SIDE;
+    for (int k = 0; k < side * side; ++k) {
+        const Real u = (static_cast<float>(k) + 0.5F) / static_cast<float>(side * side),
+                   v = (static_cast<float>(k % side) + 0.5F) / static_cast<float>(side);
         const Towards towards = sample_towards(light, point, u, v);
         const Real weight = max(dot(surface.normal, towards.direction), 0.0F) * towards.irradiance;
         weights = weights + weight;
-        sum = sum + grooves(surface, towards.direction, to_eye) * weight;
+        if (sheens) {
+            const Real sent = sheen(surface, towards.direction, to_eye);
+            sum = sum + vec3(sent, sent, sent) * weight;
+        } else {
+            sum = sum + grooves(surface, towards.direction, to_eye) * weight;
+        }
     }
     const Mask grooved = surface.spreading > static_cast<float>(Spreading::BURLEY);
     const Real by = soft / weights;

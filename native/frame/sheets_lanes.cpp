@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stage of the sheets: what lets light through before the first opaque surface of each ray, as fragments.
-#include "frame/reflected_lanes.hpp"
+#include "frame/bounced_lanes.hpp"
+#include "frame/more_lanes.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -182,7 +183,10 @@ void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet,
     Met met;
     while (ranks.next(over.looking(), met)) {
         const Surface sheet = surface_at(frame.surfaces, met, ray, beside ? &*beside : nullptr);
-        const Reflected light = reflected(frame, wanted, packet, ray, sheet);
+        Reflected light = all_reflected(frame, wanted, packet, ray, sheet);
+        if (wanted.has(Layer::RADIANCE) && (frame.bounces.gloss || frame.bounces.diffuse)) {
+            add_from_others(from_others(frame, packet, ray, sheet, sheet.hit, true), light);
+        }
         Real through[3];
         alignas(64) float sent[3][LANES], left[3][LANES];
         for (int c = 0; c < 3; ++c) {
@@ -231,7 +235,7 @@ void light_sheets(const FrameView &frame, std::span<const SheetPoint> points, st
         met.distance = Real::load_aligned(distance);
         const Ray ray{loaded(origin), loaded(direction), met.distance};
         const Surface sheet = surface_at(frame.surfaces, met, ray);
-        const Reflected light = reflected(frame, Layer::RADIANCE, packet, ray, sheet);
+        const Reflected light = all_reflected(frame, Layer::RADIANCE, packet, ray, sheet);
         for (int c = 0; c < 3; ++c) {
             light.shadowed[c].store_aligned(sent[c]);
         }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The stage of the surfaces: the first on each ray of a packet, and the light on it past solids and smoke.
 #include "frame/bounced_lanes.hpp"
-#include "frame/reflected_lanes.hpp"
+#include "frame/more_lanes.hpp"
 #include "lights/sky_lanes.hpp"
 
 #include <algorithm>
@@ -14,21 +14,6 @@ namespace {
 
 // `light` is that of the surfaces themselves, also where holdouts and catchers show something else; `shadowed` and
 // `open` are those of the packet, the background's too.
-// What neighbouring pixels share is no edge.
-void add_from_others(const FromOthers &others, Reflected &light) {
-    const vec3 shared =
-        multiplied(others.dull.weight, others.dull.found) + multiplied(others.gloss.weight, others.gloss.found);
-    for (int c = 0; c < 3; ++c) {
-        const Real sharp = component(others.sharp, c);
-        light.shadowed[c] = light.shadowed[c] + sharp + component(shared, c);
-        light.open[c] = light.open[c] + sharp;
-        light.bounced[c] = sharp + component(shared, c);
-        light.unshadowed = light.unshadowed + sharp * (1.0F / 3.0F);
-        light.even = light.even + sharp * (1.0F / 3.0F);
-        light.even_unshadowed = light.even_unshadowed + sharp * (1.0F / 3.0F);
-    }
-}
-
 void store_passes(const FrameView &frame, LayerSet wanted, const Ray &ray, const Surface &surface,
                   const Reflected &light, const Real (&shadowed)[3], const Real (&open)[3], PassLayers &out) {
     const vec3 point = ray.origin + ray.direction * surface.distance, nothing = broadcast(glm::vec3(0.0F));
@@ -84,14 +69,14 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
     Reflected own = light;
     FromOthers others = from_no_others();
     if (xsimd::any(surface.hit)) {
-        own = light = reflected(frame, wanted, packet, ray, surface);
+        own = light = all_reflected(frame, wanted, packet, ray, surface);
         if (radiance && (frame.bounces.gloss || frame.bounces.diffuse)) {
             Mask shown = surface.hit;
             if (!frame.surfaces.plain) {
                 shown = shown & !catchers(surface) &
                         !where(surface, [](const Visibility &v) { return v.seen == Seen::HOLDOUT; });
             }
-            others = from_others(frame, packet, ray, surface, shown);
+            others = from_others(frame, packet, ray, surface, shown, frame.bounces.settled);
             add_from_others(others, light);
             add_from_others(others, own);
         }

@@ -39,12 +39,14 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
                    const std::optional<Floats> &diffuse, const std::optional<Doubles> &object_index,
                    const std::optional<Doubles> &material_index, const std::optional<Visibility> &visibility,
                    const std::optional<Floats> &transmittance, const py::list &patterns,
-                   const std::optional<Floats> &values, bool lamp) {
+                   const std::optional<Floats> &values, const std::optional<Floats> &translucence,
+                   const std::optional<Floats> &sheen, bool lamp) {
     Instances out;
     out.lamp = lamp;
     out.visibility = visibility.value_or(Visibility{});
     out.shape = mesh.shape;
     out.materials = checked_materials(albedo, gloss, emission, diffuse, transmittance);
+    add_more(translucence, sheen, out.materials);
     if (out.materials.albedo.size() < mesh.materials) {
         throw py::value_error("albedo has " + text(out.materials.albedo.size()) + " rows, but the mesh names " +
                               text(mesh.materials) + " materials");
@@ -481,19 +483,25 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
              py::arg("gloss") = py::none(), py::arg("emission") = py::none(), py::arg("diffuse") = py::none(),
              py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
              py::arg("visibility") = py::none(), py::arg("transmittance") = py::none(),
-             py::arg("patterns") = py::list(), py::arg("values") = py::none(), py::arg("lamp") = false,
+             py::arg("patterns") = py::list(), py::arg("values") = py::none(), py::arg("translucence") = py::none(),
+             py::arg("sheen") = py::none(), py::arg("lamp") = false,
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
 world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of add_mesh, a row for
 each material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
 gives by these names; visibility, what it is to the camera and to lights, or all of that. patterns, a Pattern or None for
 each material, give what varies of these, which then are no more than usual of it: of a layer of gloss the index decides
-what it leaves. values (n, j) are what they ask for of each place. lamp: what it emits is among the lights, too, so
-light that goes between surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh does, and for too few
-rows.
+what it leaves. values (n, j) are what they ask for of each place. translucence (k, 3) in [0, 1], the share of light on
+the other side that leaves diffusely on this one. sheen (k, 5), what fibres add: a colour; 5 for Burley's (2012), 6 for
+Ashikhmin's velvet (2000), 7 for Zeltner, Burley and Chiang's (2022), of which all that comes leaves in the end where the
+colour is white; and a roughness in [0, 1]. lamp: what it emits is
+among the lights, too, so light that goes between surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh
+does, and for too few rows.
 
 >>> import numpy as np
 >>> triangle = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 >>> Scene().add_instances(triangle, np.stack([np.eye(4), np.diag([2, 2, 2, 1])]), [[0.8, 0.8, 0.8]])
+>>> leaf = {"translucence": [[0.2, 0.4, 0.1]], "sheen": [[0.1, 0.1, 0.1, 7, 0.5]]}
+>>> Scene().add_instances(triangle, np.eye(4), [[0.2, 0.4, 0.1]], **leaf)
 )")
         .def("add_medium", &add_medium, py::arg("density"), py::arg("grid_to_world"), py::arg("scattering"),
              py::arg("absorption"), py::arg("anisotropy") = 0.0F, py::arg("colour") = py::none(),

@@ -87,6 +87,25 @@ std::vector<Diffuse> diffuse_of(const Floats &array, py::ssize_t count) {
     return out;
 }
 
+// Rows of a colour, a kind of spreading that sheens have, and a roughness.
+std::vector<Sheen> sheens_of(const Floats &array, py::ssize_t count) {
+    require_shape(array, {count, 5}, "sheen");
+    require_range(array, 0.0F, 1e6F, "sheen");
+    std::vector<Sheen> out;
+    constexpr auto FIRST = static_cast<float>(Spreading::SHEEN), LAST = static_cast<float>(Spreading::FIBRES);
+    for (const float *row = array.data(); row != array.data() + array.size(); row += 5) {
+        if (!(row[3] >= FIRST && row[3] <= LAST && std::floor(row[3]) == row[3])) {
+            throw py::value_error("sheen has the kind " + text(row[3]) + ", but kinds go from " + text(FIRST) + " to " +
+                                  text(LAST));
+        }
+        if (row[4] > 1.0F) {
+            throw py::value_error("sheen has the roughness " + text(row[4]) + ", which must lie between 0 and 1");
+        }
+        out.push_back({{row[0], row[1], row[2]}, {static_cast<Spreading>(static_cast<int>(row[3])), row[4]}});
+    }
+    return out;
+}
+
 void vectors(const Floats &array, std::vector<glm::vec3> &out) {
     const auto *first = reinterpret_cast<const glm::vec3 *>(array.data());
     // One more than there are: Embree loads sixteen bytes for the last of them, too.
@@ -217,6 +236,18 @@ Materials checked_materials(const Floats &albedo, const std::optional<Floats> &g
     return out;
 }
 
+void add_more(const std::optional<Floats> &translucence, const std::optional<Floats> &sheen, Materials &out) {
+    const auto count = static_cast<py::ssize_t>(out.albedo.size());
+    if (translucence) {
+        require_shape(*translucence, {count, 3}, "translucence");
+        require_range(*translucence, 0.0F, 1.0F, "translucence");
+        vectors(*translucence, out.translucence);
+    }
+    if (sheen) {
+        out.sheen = sheens_of(*sheen, count);
+    }
+}
+
 CheckedGrid checked_grid(const Floats &density, float empty_below, const std::optional<Floats> &colour,
                          const std::optional<Floats> &glow) {
     require_shape(density, {-1, -1, -1}, "density");
@@ -301,6 +332,9 @@ Scene ConsoleScene::for_reference() const {
                   [](const Instances &mesh) { return mesh.materials.patterns.empty(); });
     require_plain(meshes, "there is a transmittance of mesh",
                   [](const Instances &mesh) { return mesh.materials.transmittance.empty(); });
+    require_plain(meshes, "there is a translucence or a sheen of mesh", [](const Instances &mesh) {
+        return mesh.materials.translucence.empty() && mesh.materials.sheen.empty();
+    });
     require_plain(media, "there is a visibility of medium", seen);
     require_plain(media, "there is a transfer of medium", [](const Medium &medium) { return !medium.transfer; });
     require_plain(particles, "there is a visibility of particles", seen);

@@ -33,6 +33,8 @@ Materials checked_materials(const arguments::Floats &albedo, const std::optional
                             const std::optional<arguments::Floats> &emission,
                             const std::optional<arguments::Floats> &diffuse,
                             const std::optional<arguments::Floats> &transmittance);
+void add_more(const std::optional<arguments::Floats> &translucence, const std::optional<arguments::Floats> &sheen,
+              Materials &out);
 
 // Densities, cropped; the grid is null where nothing can be seen of them.
 struct CheckedGrid {

@@ -471,6 +471,8 @@ class Scene:
         transmittance: ArrayLike | None = None,
         patterns: list[Any] = [],
         values: ArrayLike | None = None,
+        translucence: ArrayLike | None = None,
+        sheen: ArrayLike | None = None,
         lamp: bool = False,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
@@ -479,8 +481,12 @@ class Scene:
         material_index (k,) are what Frame.passes gives by these names; visibility, what it is to the camera and
         to lights, or all of that. patterns, a Pattern or None for each material, give what varies of these, which
         then are no more than usual of it: of a layer of gloss the index decides what it leaves. values (n, j) are
-        what they ask for of each place. lamp: what it emits is among the lights, too, so light that goes between
-        surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh does, and for too few rows.
+        what they ask for of each place. translucence (k, 3) in [0, 1], the share of light on the other side that
+        leaves diffusely on this one. sheen (k, 5), what fibres add: a colour; 5 for Burley's (2012), 6 for
+        Ashikhmin's velvet (2000), 7 for Zeltner, Burley and Chiang's (2022), of which all that comes leaves in
+        the end where the colour is white; and a roughness in [0, 1]. lamp: what it emits is among the lights,
+        too, so light that goes between surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh
+        does, and for too few rows.
         """
     def add_medium(
         self,

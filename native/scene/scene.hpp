@@ -53,11 +53,21 @@ enum class Spreading : std::uint8_t {
     GROOVES,        // Oren and Nayar's (1994), of one reflection
     GROOVES_AGAIN,  // of all reflections (Portsmouth, Kutz and Hill 2025)
     GROOVES_DEEPER, // the same, a habit of some years' renderers: from the second reflection on coloured once too often
+    // Of sheens alone.
+    SHEEN,  // Burley's (2012), which knows no roughness
+    VELVET, // Ashikhmin's (2000)
+    FIBRES, // Zeltner, Burley and Chiang's (2022)
 };
 
 struct Diffuse {
     Spreading spreading = Spreading::LAMBERT;
     float roughness = 0.0F; // in [0, 1]; not Lambert's
+};
+
+// What fibres or dust on a surface add at its rim.
+struct Sheen {
+    glm::vec3 colour{0.0F};
+    Diffuse spread{Spreading::SHEEN};
 };
 
 // Triangles in a space of their own, which any number of objects may share. Once shared it never changes: its address
@@ -86,6 +96,9 @@ struct Materials {
     // The share of light, of each colour, that passes straight through, one for each albedo; or none: all are opaque.
     // What the rest of it does is all that stands above.
     std::vector<glm::vec3> transmittance;
+    // Of light that falls on the other side the share that leaves diffusely on this one, one for each albedo; or none.
+    std::vector<glm::vec3> translucence;
+    std::vector<Sheen> sheen; // beside all that, one for each albedo; or none
     // What of these varies over a surface, one for each albedo, or null; or none. What a pattern gives stands in place
     // of what stands above, which is then no more than what is usual of it.
     std::vector<std::shared_ptr<const Pattern>> patterns;

@@ -42,7 +42,9 @@ struct Surface {
     vec3 transmittance;        // set where it is a sheet
     Real spreading, roughness; // of what is diffuse
     vec3 again;
-    Index material = 0; // where its row of properties begins
+    vec3 translucence, sheen;              // set where any material has one,
+    Real sheen_spreading, sheen_roughness; // with these
+    Index material = 0;                    // where its row of properties begins
     Real object_index = 0.0F;
     const Visibility *visibility[LANES]; // of what is hit, else null; set where any place is not plain
 };
@@ -237,6 +239,12 @@ inline Surface surface_at(const SurfaceView &view, const Met &met, const text::C
     surface.emission = slots.colour(pattern_slot::EMISSION);
     if (view.sheets.scene != nullptr) {
         surface.transmittance = slots.colour(pattern_slot::TRANSMITTANCE);
+    }
+    if (view.more) {
+        surface.translucence = slots.colour(pattern_slot::TRANSLUCENCE);
+        surface.sheen = slots.colour(pattern_slot::SHEEN);
+        surface.sheen_spreading = slots.property(material_row::SHEEN_SPREADING);
+        surface.sheen_roughness = slots.slot(pattern_slot::SHEEN_ROUGHNESS);
     }
     surface.spreading = slots.property(material_row::SPREADING);
     surface.roughness = slots.slot(pattern_slot::ROUGHNESS);

@@ -44,8 +44,12 @@ enum {
     EMISSION = 3,
     AGAIN = 6,
     TRANSMITTANCE = 9,
-    SPREADING = 12,
+    TRANSLUCENCE = 12,
+    SHEEN = 15,
+    SPREADING = 18,
     ROUGHNESS,
+    SHEEN_SPREADING,
+    SHEEN_ROUGHNESS,
     NUMBER,
     LAMP,
     PATTERN,
@@ -84,6 +88,7 @@ struct SurfaceView {
     const float *properties = nullptr; // a material_row each
     bool tangents = false;             // whether any shape has tangents
     const Varying *varying = nullptr;  // by their numbers, from 1 on; null where nothing varies
+    bool more = false;                 // whether any material is translucent or has a sheen
 };
 
 } // namespace sfumato

@@ -104,6 +104,11 @@ void append_rows(const Materials &materials, bool lamp, Solids &solids, std::vec
         put(row, EMISSION, i < materials.emission.size() ? materials.emission[i] : glm::vec3(0.0F));
         put(row, AGAIN, again_of(diffuse, materials.albedo[i]));
         put(row, TRANSMITTANCE, i < materials.transmittance.size() ? materials.transmittance[i] : glm::vec3(0.0F));
+        put(row, TRANSLUCENCE, i < materials.translucence.size() ? materials.translucence[i] : glm::vec3(0.0F));
+        const Sheen sheen = i < materials.sheen.size() ? materials.sheen[i] : Sheen{};
+        put(row, SHEEN, sheen.colour);
+        row[SHEEN_SPREADING] = static_cast<float>(sheen.spread.spreading);
+        row[SHEEN_ROUGHNESS] = sheen.spread.roughness;
         row[SPREADING] = static_cast<float>(diffuse.spreading);
         row[ROUGHNESS] = diffuse.roughness;
         row[NUMBER] = i < materials.index.size() ? static_cast<float>(materials.index[i]) : 0.0F;
@@ -326,6 +331,7 @@ Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> ligh
         for (const glm::vec3 &left : mesh.materials.transmittance) {
             transmittances_.insert(transmittances_.end(), {left.x, left.y, left.z});
         }
+        more_ = more_ || !mesh.materials.translucence.empty() || !mesh.materials.sheen.empty();
         tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
         values_.push_back(mesh.values);
         for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
@@ -393,9 +399,16 @@ RayScene view_of(const std::shared_ptr<const Places> &places) {
 }
 
 SurfaceView Surfaces::view() const {
-    return {view_of(all_),      view_of(seen_), view_of(sheets_),
-            view_of(catchers_), plain_,         views_.data(),
-            properties_.data(), tangents_,      varying_.empty() ? nullptr : varying_.data()};
+    return {view_of(all_),
+            view_of(seen_),
+            view_of(sheets_),
+            view_of(catchers_),
+            plain_,
+            views_.data(),
+            properties_.data(),
+            tangents_,
+            varying_.empty() ? nullptr : varying_.data(),
+            more_};
 }
 
 std::optional<Box> Surfaces::bounds() const {

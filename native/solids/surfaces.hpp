@@ -132,6 +132,7 @@ private:
     std::vector<std::shared_ptr<const Pattern>> dimming_patterns_; // those of them that dim a light
     std::deque<std::vector<float>> values_;                        // of places
     bool tangents_ = false;
+    bool more_ = false;
 };
 
 } // namespace sfumato

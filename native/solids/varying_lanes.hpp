@@ -49,7 +49,10 @@ struct PropertyOf {
         constexpr int LIKE[][3] = {{ALBEDO, material_row::ALBEDO, 3},
                                    {EMISSION, material_row::EMISSION, 3},
                                    {TRANSMITTANCE, material_row::TRANSMITTANCE, 3},
-                                   {ROUGHNESS, material_row::ROUGHNESS, 1}};
+                                   {ROUGHNESS, material_row::ROUGHNESS, 1},
+                                   {TRANSLUCENCE, material_row::TRANSLUCENCE, 3},
+                                   {SHEEN, material_row::SHEEN, 3},
+                                   {SHEEN_ROUGHNESS, material_row::SHEEN_ROUGHNESS, 1}};
         for (const auto &[first, property, count] : LIKE) {
             for (int i = 0; i < count; ++i) {
                 of[first + i] = property + i;
@@ -274,6 +277,9 @@ constexpr bool is_linear(int slot) {
     using namespace pattern_slot;
     if (slot < FIRST_LOBE) {
         return slot < ROUGHNESS;
+    }
+    if (slot >= TRANSLUCENCE) {
+        return slot < SHEEN_ROUGHNESS;
     }
     const int own = (slot - FIRST_LOBE) % LOBE_SLOTS;
     return own < ALPHA_X || own == SHARE;

@@ -87,7 +87,9 @@ namespace pattern_slot {
 enum { ALBEDO = 0, EMISSION = 3, TRANSMITTANCE = 6, ROUGHNESS = 9, NORMAL, FIRST_LOBE = NORMAL + 3 };
 // Of a layer.
 enum { REFLECTANCE = 0, DIP = 3, ALPHA_X = 6, ALPHA_Y, INDEX, SHARE, TURN, LOBE_SLOTS };
-constexpr int SLOTS = FIRST_LOBE + 4 * LOBE_SLOTS;
+// After those of four layers.
+enum { TRANSLUCENCE = FIRST_LOBE + 4 * LOBE_SLOTS, SHEEN = TRANSLUCENCE + 3, SHEEN_ROUGHNESS = SHEEN + 3, SLOTS };
+static_assert(SLOTS <= 64); // the bits of Pattern::given
 } // namespace pattern_slot
 
 struct Pattern {

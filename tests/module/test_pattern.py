@@ -156,6 +156,45 @@ def test_a_pattern_lets_light_through() -> None:
     np.testing.assert_allclose(clear[12, 12, :3], (0.025, 0.1, 0.225), atol=1e-5)
 
 
+def of_the_angle() -> sfumato.Pattern:
+    """Transmittance: the cosine between the normal and where light comes from, or goes."""
+    steps = [step("input", k, (6, 7, 8, 12, 13, 14)[k]) for k in range(6)]
+    steps += [step("multiply", 6 + k, 0, k, 3 + k) for k in range(3)]
+    steps += [step("add", 9, 0, 6, 7), step("add", 9, 0, 9, 8), step("absolute", 9, 0, 9)]
+    return sfumato.Pattern(steps, [(6, 9), (7, 9), (8, 9)])
+
+
+def test_light_passes_by_its_own_angle() -> None:
+    """A sun from aside and an eye above: a pane over a floor lets the sun through by the sun's angle, the eye by its own."""
+    aside = np.radians(50.0)
+    seen = {}
+    for tilt in (0.0, 0.4):
+        scene = sfumato.Scene()
+        scene.add_instances(sfumato.Mesh(QUAD, FACES), np.diag([20.0, 20.0, 1.0, 1.0]), [[0.5] * 3])
+        turned = np.eye(4)
+        turned[:3, :3] = [[np.cos(tilt), 0, np.sin(tilt)], [0, 1, 0], [-np.sin(tilt), 0, np.cos(tilt)]]
+        turned[:3, :3] *= 8.0
+        turned[2, 3] = 2.0
+        pane = sfumato.Mesh(QUAD, FACES)
+        scene.add_instances(pane, turned, [[0.0] * 3], transmittance=[[0.1] * 3], patterns=[of_the_angle()])
+        scene.add_sun((np.sin(aside), 0.0, -np.cos(aside)), (np.pi,) * 3)
+        down = sfumato.Camera(np.diag([1.0, 1.0, -0.1, 1.0]))
+        seen[tilt] = float(sfumato.Frame(scene).render(down, 3, 3)[1, 1, 0])
+    lit = 0.5 * np.cos(aside)
+    assert seen[0.0] == pytest.approx(lit * np.cos(aside), rel=1e-4)
+    assert seen[0.4] == pytest.approx(lit * np.cos(aside + 0.4) * np.cos(0.4), rel=1e-4)
+
+
+def test_what_is_drawn_of_a_pane_hides_by_the_angle() -> None:
+    scene = sfumato.Scene()
+    turned = np.eye(4)
+    turned[:3, :3] = [[np.cos(0.7), 0, np.sin(0.7)], [0, 1, 0], [-np.sin(0.7), 0, np.cos(0.7)]]
+    pane = sfumato.Mesh(QUAD, FACES)
+    scene.add_instances(pane, turned, [[0.0] * 3], transmittance=[[0.1] * 3], patterns=[of_the_angle()])
+    opacity = sfumato.Frame(scene).triangles(sfumato.Camera(np.diag([1.0, 1.0, -0.1, 1.0])), 64, 64)[1]
+    np.testing.assert_allclose(opacity, 1.0 - np.cos(0.7), rtol=1e-4)
+
+
 def test_a_bent_normal_sees_another_light() -> None:
     straight = picture({"albedo": [[0.8, 0.8, 0.8]]}, constants({10: 0.0, 11: 0.0, 12: 1.0}))
     plain = picture({"albedo": [[0.8, 0.8, 0.8]]}, None)

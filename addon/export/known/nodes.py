@@ -17,30 +17,23 @@ FOLLOWED = (
     Node(
         "ShaderNodeBsdfPrincipled",
         ("Base Color", "Normal", "Metallic", "Roughness", "Diffuse Roughness", "Anisotropic", "Anisotropic Rotation", "Specular",
-         "IOR", "Specular IOR Level", "Specular Tint", "Coat Weight", "Coat Roughness", "Coat IOR", "Emission",
-         "Emission Color", "Emission Strength", "Alpha", "distribution"),
+         "IOR", "Specular IOR Level", "Specular Tint", "Coat Weight", "Coat Roughness", "Coat IOR", "Coat Tint",
+         "Clearcoat", "Clearcoat Roughness", "Sheen", "Sheen Weight", "Sheen Tint", "Sheen Roughness", "Emission",
+         "Emission Color", "Emission Strength", "Alpha", "Transmission", "Transmission Weight", "distribution"),
         (
             Socket("Coat Normal", (), "the coat is as the surface is", unless=("Coat Weight", 0.0)),
             Socket("Subsurface", (0.0,), "it is diffuse"),
             Socket("Subsurface Weight", (0.0,), "it is diffuse"),
-            Socket("Sheen", (0.0,), "it has none"),
-            Socket("Sheen Weight", (0.0,), "it has none"),
-            Socket("Clearcoat", (0.0,), "it has none"),
-            Socket("Transmission", (0.0,), "it is opaque"),
-            Socket("Transmission Weight", (0.0,), "it is opaque"),
+            Socket("Clearcoat Normal", (), "the clearcoat is as the surface is", unless=("Clearcoat", 0.0)),
             Socket("Thin Film Thickness", (0.0,), "there is no film"),
             Socket("Thin Wall", (False,), "it is solid"),
             Socket("Tangent", (), "it runs around the object's Z axis", unless=("Anisotropic", 0.0)),
         ),
-        elsewhere=("Coat Tint",),
         idle={
             "details of Subsurface, which is named as a whole": (
                 "Subsurface Radius", "Subsurface Color", "Subsurface IOR", "Subsurface Anisotropy", "Subsurface Scale",
                 "subsurface_method"),
-            "details of Sheen, which is named as a whole": ("Sheen Tint", "Sheen Roughness"),
-            "details of Clearcoat, which is named as a whole": (
-                "Clearcoat Roughness", "Clearcoat Normal"),
-            "details of Transmission, which is named as a whole": (
+            "details of light that is bent, which is named as a whole": (
                 "Transmission Roughness", "Transmission Dispersion Scale", "Transmission Dispersion Abbe Number"),
             "details of Thin Film, which is named as a whole": ("Thin Film IOR",),
             _WEIGHT: ("Weight",),
@@ -54,6 +47,20 @@ FOLLOWED = (
         (Socket("Tangent", (), "it runs around the object's Z axis", unless=("Anisotropy", 0.0)),),
         idle={_WEIGHT: ("Weight",)},
     ),
+    Node(
+        "ShaderNodeBsdfGlass",
+        ("Color", "Roughness", "IOR", "Normal", "distribution"),
+        (Socket("Thin Film Thickness", (0.0,), "there is no film"),),
+        idle={"details of Thin Film, which is named as a whole": ("Thin Film IOR",), _WEIGHT: ("Weight",)},
+    ),
+    Node(
+        "ShaderNodeBsdfRefraction",
+        ("Color", "Roughness", "IOR", "distribution"),
+        idle={"light that goes straight through meets no facets": ("Normal",), _WEIGHT: ("Weight",)},
+    ),
+    Node("ShaderNodeBsdfTranslucent", ("Color", "Normal"), idle={_WEIGHT: ("Weight",)}),
+    Node("ShaderNodeBsdfVelvet", ("Color", "Sigma", "Normal"), idle={_WEIGHT: ("Weight",)}),
+    Node("ShaderNodeBsdfSheen", ("Color", "Roughness", "Normal", "distribution"), idle={_WEIGHT: ("Weight",)}),
     Node("ShaderNodeBsdfTransparent", ("Color",), idle={_WEIGHT: ("Weight",)}),
     Node(
         "ShaderNodeBsdfHairPrincipled",
@@ -98,10 +105,7 @@ FOLLOWED = (
 )  # fmt: skip
 
 # What becomes of the others, and their names without "ShaderNode".
-SURFACES = (
-    "BsdfGlass BsdfHair BsdfMetallic BsdfRayPortal BsdfRefraction BsdfSheen BsdfToon "
-    "BsdfTranslucent BsdfVelvet Holdout Script SubsurfaceScattering"
-)
+SURFACES = "BsdfHair BsdfMetallic BsdfRayPortal BsdfToon " "Holdout Script SubsurfaceScattering"
 EVERYWHERE = (
     "Attribute Blackbody BrightContrast Clamp CombineColor CombineHSV CombineRGB CombineXYZ Gamma Group HueSaturation "
     "Invert MapRange Math Mix MixRGB RGBToBW SeparateColor SeparateHSV SeparateRGB SeparateXYZ ValToRGB"

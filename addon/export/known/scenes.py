@@ -105,6 +105,10 @@ CYCLES = Struct(
     named=(
         Named("film_exposure", (1.0,), "Film's Exposure of {value} is not followed; it is taken for 1"),
         Named("sample_clamp_direct", (0.0,), "Clamping of Direct Light at {value} is not followed; nothing is clamped"),
+        Named("caustics_refractive", (True,), "its glass casts a shadow in its color, though Refractive Caustics is off",
+              elsewhere=True),
+        Named("film_transparent_glass", (True,), "the transparent film is seen through its glass, though Transparent "
+              "Glass is off", when=(("render.film_transparent", True),), elsewhere=True),
         Named("use_camera_cull", (False,), "Simplify's Camera Culling is not followed; nothing is left out",
               when=(("render.use_simplify", True),)),
         Named("use_distance_cull", (False,), "Simplify's Distance Culling is not followed; nothing is left out",
@@ -112,11 +116,11 @@ CYCLES = Struct(
     ),
     idle={
         _INDIRECT: "transmission_bounces volume_bounces min_light_bounces "
-        "caustics_reflective caustics_refractive blur_glossy sample_clamp_indirect use_fast_gi fast_gi_method "
+        "caustics_reflective blur_glossy sample_clamp_indirect use_fast_gi fast_gi_method "
         "ao_bounces ao_bounces_render",
         "how many transparent surfaces Cycles looks through; we do through all": "transparent_max_bounces "
         "min_transparent_bounces",
-        "glass, which materials name": "film_transparent_glass film_transparent_roughness",
+        "how clear glass is to Cycles' film; ours is always clear": "film_transparent_roughness",
         _SAMPLING: "samples preview_samples sample_offset use_sample_subset sample_subset_length time_limit "
         "sampling_pattern scrambling_distance preview_scrambling_distance auto_scrambling_distance use_layer_samples "
         "light_sampling_threshold use_adaptive_sampling adaptive_threshold adaptive_min_samples "

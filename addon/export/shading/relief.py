@@ -96,10 +96,35 @@ def bumped(
     return np.where((area != 0.0)[:, None], found, normal)
 
 
+# Of the logarithm of what fibres send of light from all sides: for each power of the cosine to the eye, of each of roughness.
+_FIBRES = (
+    (-0.17078, -1.5132, 3.723, -3.7972, 1.4706),
+    (-29.298, 184.54, -451.0, 475.08, -180.22),
+    (-50.471, 122.7, 53.419, -310.13, 184.59),
+    (127.5, -600.16, 981.01, -641.49, 133.12),
+    (-64.587, 341.64, -644.48, 514.79, -147.35),
+)  # fmt: skip
+
+
+def _of_fibres(cosine: Array, roughness: Array) -> Array:
+    """What Cycles 5.0.1 shows of Zeltner, Burley and Chiang's sheen (2022), within .02; shaders/surfaces/surface.glsl has the
+    lobe."""
+    c, r = np.clip(cosine, 0.0, 1.0), np.clip(roughness, 0.15, 1.0)
+    exponent: Any = 0.0
+    for row in reversed(_FIBRES):
+        of_roughness: Any = 0.0
+        for factor in reversed(row):
+            of_roughness = of_roughness * r + factor
+        exponent = exponent * c + of_roughness
+    found: Array = np.minimum(np.exp(exponent), 1.0)
+    return found
+
+
 OPERATIONS: dict[str, Callable[..., Any]] = {
     "fresnel": _fresnel,
     "layer's index": lambda blend: 1.0 / np.maximum(1.0 - blend, 1e-5),
     "facing": _facing,
+    "of fibres": _of_fibres,
     "normal map": _normal_map,
     "normal of colour": _normal_of_colour,
     # Of cells without neighbours.

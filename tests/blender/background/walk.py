@@ -108,6 +108,25 @@ def without_transparent_shadow(stage: Stage) -> str:
     return "Floor"
 
 
+def _of_glass(stage: Stage) -> None:
+    """Of which nothing else is said."""
+    stage.floor.data.materials.clear()
+    harness.put(harness.shade(stage.floor.data, "ShaderNodeBsdfRefraction"), IOR=1.0, Roughness=0.0)
+
+
+def without_caustics(stage: Stage) -> str:
+    _of_glass(stage)
+    stage.scene.cycles.caustics_refractive = False
+    return "Floor"
+
+
+def before_a_transparent_film(stage: Stage) -> str:
+    _of_glass(stage)
+    stage.scene.render.film_transparent = True
+    stage.scene.cycles.film_transparent_glass = False
+    return "Floor"
+
+
 # What takes more than one property to be said, and how it comes about.
 TOGETHER: dict[tuple[str, str], Callable[[Stage], str]] = {
     ("Object", "is_shadow_catcher"): catching,
@@ -115,6 +134,8 @@ TOGETHER: dict[tuple[str, str], Callable[[Stage], str]] = {
     ("VolumeRender", "clipping"): clipped,
     ("Material", "use_transparent_shadow"): without_transparent_shadow,
     ("CyclesMaterialSettings", "use_transparent_shadow"): without_transparent_shadow,
+    ("CyclesRenderSettings", "caustics_refractive"): without_caustics,
+    ("CyclesRenderSettings", "film_transparent_glass"): before_a_transparent_film,
 }
 
 

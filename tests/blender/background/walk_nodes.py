@@ -87,7 +87,9 @@ def link_unknown(node: Any, socket: Any) -> None:
 # Without which others mean nothing.
 NEEDS = {"Anisotropic Rotation": "Anisotropic", "Rotation": "Anisotropy", "Coat Roughness": "Coat Weight",
          "Coat IOR": "Coat Weight", "Emission Color": "Emission Strength", "Blackbody Tint": "Blackbody Intensity",
-         "Temperature": "Blackbody Intensity", "Random": "Random Roughness"}  # fmt: skip
+         "Temperature": "Blackbody Intensity", "IOR": "Transmission", "Clearcoat Roughness": "Clearcoat",
+         "Coat Tint": "Coat Weight", "Sheen Roughness": "Sheen Weight", "Random": "Random Roughness",
+         "Sheen Tint": "Sheen" if bpy.app.version < (4, 0, 0) else "Sheen Weight"}  # fmt: skip
 
 
 def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
@@ -129,8 +131,6 @@ def test_inputs_of_followed_nodes_that_are_not_followed_are_named() -> None:
                 and name not in {socket.name for socket in table.named}
             ):
                 stage, node, owner = with_node(table.name)
-                if name == "IOR" and "Specular" in node.inputs:
-                    continue  # before 4.0 it is that of glass
                 if name in NEEDS and NEEDS[name] in node.inputs:
                     node.inputs[NEEDS[name]].default_value = 0.5
                 if hasattr(node, "parametrization"):

@@ -40,7 +40,7 @@ SFUMATO_ALL_MEMBERS(text_test::Real, text_test::Isa)
 namespace sfumato {
 namespace {
 
-constexpr int ANSWERS = 15, LANES = text_test::Isa::LANES;
+constexpr int ANSWERS = 17, LANES = text_test::Isa::LANES;
 
 template <class Real, class Isa>
 Real strand_sent(const std::array<Real, 6> &n) {
@@ -92,6 +92,9 @@ std::array<Real, ANSWERS> answers(const std::array<Real, 6> &n) {
             text::SurfacesText<Real, Isa>().grooves(n[0], n[1], n[2], n[3]),
             text::SurfacesText<Real, Isa>().grooves_albedo(n[0], n[3]) *
                 text::SurfacesText<Real, Isa>().grooves_again(n[1], n[3]),
+            text::SurfacesText<Real, Isa>().sheen(n[2]) +
+                0.1F * text::SurfacesText<Real, Isa>().fibres(n[0], n[1], n[2] * 0.5F, n[3]),
+            0.01F * text::SurfacesText<Real, Isa>().velvet(n[0], n[1], n[2] * 0.5F, n[3] + 0.5F),
             integrals.diffuse_quad(zenith, middle - x - y, middle - x + y, middle + x + y, middle + x - y),
             integrals.diffuse_ellipse(zenith, middle, x, y),
             gloss.plain,
