@@ -5,6 +5,7 @@
 
 #include "text/dispatch.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -16,6 +17,13 @@ namespace sfumato {
 struct FrameView; // frame/layers.hpp
 struct LightView; // lights/light.hpp
 
+// Around what of the cells is much brighter than most, of which few rays would find little: a ball, and what of light
+// leaves it.
+struct BrightPlace {
+    glm::vec3 middle{0.0F};
+    float radius = 0.0F, flux = 0.0F;
+};
+
 // What a white matt surface would send to all sides, of lights and of other surfaces, in cells of space for each of six
 // ways to face. Cells are twice as large for each time that the distance to the eye doubles beyond `near`.
 struct LightCacheView {
@@ -26,6 +34,9 @@ struct LightCacheView {
     std::uint32_t mask = 0;              // the number of slots, a power of two, less one
     glm::vec3 eye{0.0F};
     float size = 1.0F, near = 1.0F; // of the cells at the eye, metres
+    static constexpr int MOST_BRIGHT = 8;
+    std::array<BrightPlace, MOST_BRIGHT> bright{};
+    int bright_count = 0;
 };
 
 constexpr std::uint32_t NO_CELL = 0xFFFFFFFFU;

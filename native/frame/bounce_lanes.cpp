@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What rays from one surface bring of the next.
 #include "frame/bounced_lanes.hpp"
+#include "frame/more_lanes.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -62,7 +63,7 @@ void shine(const FrameView &frame, BounceRays &rays) {
             Packet packet;
             std::copy_n(rays.light_u, LANES, packet.light_u);
             std::copy_n(rays.light_v, LANES, packet.light_v);
-            const Reflected light = reflected(frame, Layer::RADIANCE, packet, met.ray, surface);
+            const Reflected light = all_reflected(frame, Layer::RADIANCE, packet, met.ray, surface);
             radiance = vec3(light.shadowed[0], light.shadowed[1], light.shadowed[2]) +
                        multiplied(surface.albedo + gloss, kept.settled);
         } else {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace sfumato::SFUMATO_ISA {
 
@@ -100,6 +101,72 @@ inline FromOthers from_no_others() {
     return {{nothing, nothing}, {nothing, nothing}, nothing};
 }
 
+// Directions to what is bright of what lies around a surface, by a density of their own beside the cosine's.
+class BrightGuide {
+public:
+    BrightGuide(const LightCacheView &cache, const vec3 &point, const vec3 &normal) : count_(cache.bright_count) {
+        Real sum = 1e-30F;
+        for (int k = 0; k < count_; ++k) {
+            const BrightPlace &place = cache.bright[static_cast<std::size_t>(k)];
+            const vec3 there = broadcast(place.middle) - point;
+            const Real distance2 = max(dot(there, there), 1e-20F), distance = sqrt(distance2);
+            Cone &cone = cones_[k];
+            cone.axis = there * (1.0F / distance);
+            const Real sine = place.radius / distance;
+            const Mask outside = sine < 0.95F;
+            cone.cosine = sqrt(1.0F - min(sine * sine, 0.9025F));
+            const Real facing = max(dot(cone.axis, normal) + sine, 0.0F);
+            cone.share = pick(outside, place.flux * facing / distance2, 0.0F);
+            sum = sum + cone.share;
+        }
+        for (int k = 0; k < count_; ++k) {
+            cones_[k].share = cones_[k].share * (1.0F / sum);
+        }
+        any_ = sum > 1e-29F;
+    }
+
+    // Whether anything that is bright can be seen, and is not too close for that.
+    [[nodiscard]] Mask any() const { return any_; }
+
+    // For a point of the unit square.
+    [[nodiscard]] vec3 direction(Real u, Real v) const {
+        vec3 axis{0.0F, 0.0F, 1.0F};
+        Real cosine = 1.0F, below = 0.0F, within = u;
+        for (int k = 0; k < count_; ++k) {
+            const Cone &cone = cones_[k];
+            const Mask chosen = (u >= below) & (cone.share > 0.0F);
+            axis = pick(chosen, cone.axis, axis);
+            cosine = pick(chosen, cone.cosine, cosine);
+            within = pick(chosen, (u - below) / max(cone.share, 1e-20F), within);
+            below = below + cone.share;
+        }
+        const Real height = 1.0F - clamp(within, 0.0F, 1.0F) * (1.0F - cosine), angle = 6.28318531F * v;
+        const Real across = sqrt(max(1.0F - height * height, 0.0F));
+        const Plane plane = plane_across(axis);
+        return axis * height + (plane.x * cos(angle) + plane.y * sin(angle)) * across;
+    }
+
+    // By the solid angle.
+    [[nodiscard]] Real density(const vec3 &direction) const {
+        Real sum = 0.0F;
+        for (int k = 0; k < count_; ++k) {
+            const Cone &cone = cones_[k];
+            const Mask within = dot(direction, cone.axis) >= cone.cosine;
+            sum = sum + pick(within, cone.share / (6.28318531F * max(1.0F - cone.cosine, 1e-6F)), 0.0F);
+        }
+        return sum;
+    }
+
+private:
+    struct Cone {
+        vec3 axis;
+        Real cosine, share;
+    };
+    int count_;
+    Mask any_ = Mask(false);
+    Cone cones_[LightCacheView::MOST_BRIGHT];
+};
+
 // Of gloss that reflects less, whatever it shows is left out.
 constexpr float LEAST_GLOSS = 0.01F;
 // The least slope of facets that lights know: ALPHA_MIN.
@@ -165,7 +232,13 @@ constexpr float LEAST_ALPHA = 0.01F;
         shine(frame, rays);
         return load(rays.radiance);
     };
-    Real dull_looks = 0.0F, gloss_worths[MAX_LOBES];
+    std::optional<BrightGuide> guide;
+    std::size_t guided_count = 0;
+    if (gathers && packet.looks > 1 && bounces.cache->bright_count > 0) {
+        guide.emplace(*bounces.cache, start, surface.normal);
+        guided_count = static_cast<std::size_t>(packet.looks) / 2;
+    }
+    Real gloss_worths[MAX_LOBES];
     vec3 gloss_found[MAX_LOBES];
     for (int k = 0; k < lobes; ++k) {
         gloss_worths[k] = 1e-20F;
@@ -175,22 +248,34 @@ constexpr float LEAST_ALPHA = 0.01F;
         // The looks of neighbouring pixels, or of one's samples, share the square: each has `count` points around its
         // own.
         for (std::size_t i = 0; i < count; ++i) {
-            const double number = static_cast<double>(i) + 0.5;
+            // Those of either density share it among themselves.
+            const bool guided = i >= count - guided_count;
+            const std::size_t alike = guided ? guided_count : count - guided_count;
+            const double number = static_cast<double>(guided ? i - (count - guided_count) : i) + 0.5;
             const auto shifted = [](Real middle, double to) {
                 const Real at = middle + static_cast<float>(0.125 * (to - 0.5));
                 return at - floor(at);
             };
-            const Real x = shifted(u, number / static_cast<double>(count));
+            const Real x = shifted(u, number / static_cast<double>(alike));
             const Real y = shifted(v, std::fmod(GOLDEN * number, 1.0));
             const LightsText::DiskPoint disk = LightsText().point_on_disk(2.0F * x - 1.0F, 2.0F * y - 1.0F);
             // Turned, so that the edges of what is upright or level lie across the lattice's rows.
             const Real x1 = 0.8F * disk.x - 0.6F * disk.y, y1 = 0.6F * disk.x + 0.8F * disk.y;
             if (gathers) {
-                // As many as their cosines (Malley's method).
+                // As many as their cosines (Malley's method), or where it is bright; and both count by the density of
+                // all together (Veach and Guibas' balance heuristic, 1995).
                 const Real height = sqrt(max(1.0F - disk.x * disk.x - disk.y * disk.y, 1e-6F));
-                const vec3 towards = plane.x * x1 + plane.y * y1 + surface.normal * height;
-                out.dull.found = out.dull.found + follow(from, towards, asked, x, y, false);
-                dull_looks = dull_looks + 1.0F;
+                const vec3 towards =
+                    guided ? guide->direction(x, y) : plane.x * x1 + plane.y * y1 + surface.normal * height;
+                Real worth = 1.0F / static_cast<float>(count);
+                if (guided_count > 0) {
+                    const Real own = max(dot(towards, surface.normal), 0.0F) * 0.318309886F;
+                    const Real others = pick(guide->any(), static_cast<float>(guided_count), 0.0F);
+                    worth = own / max(static_cast<float>(count - guided_count) * own + others * guide->density(towards),
+                                      1e-20F);
+                    worth = guided ? pick(guide->any(), worth, 0.0F) : worth;
+                }
+                out.dull.found = out.dull.found + follow(from, towards, asked & (worth > 0.0F), x, y, false) * worth;
             }
             for (int k = 0; k < lobes && i < GLOSS_LOOKS; ++k) {
                 const Mask these =
@@ -217,9 +302,6 @@ constexpr float LEAST_ALPHA = 0.01F;
          settled   ? 1
          : gathers ? looks
                    : std::min(looks, GLOSS_LOOKS));
-    if (gathers) {
-        out.dull.found = out.dull.found * (1.0F / dull_looks);
-    }
     // Of several layers the filter sees one, in the colour of all that they show.
     for (int k = 0; k < lobes; ++k) {
         const vec3 sent = multiplied(colour[k], gloss_found[k] * (1.0F / gloss_worths[k]));

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -34,6 +35,7 @@ struct Link {
 
 struct Cell {
     std::uint32_t key = NO_CELL;
+    int level = 0;
     std::size_t count = 0;
     std::array<BouncePoint, PLACES> places;
     glm::vec3 direct{0.0F};  // of lights
@@ -127,6 +129,7 @@ private:
             slots_[slot] = key;
             cell_of_slot_[slot] = static_cast<std::int32_t>(cells.size());
             cells.emplace_back().key = key;
+            cells.back().level = level;
         }
         const std::int32_t found = cell_of_slot_[slot];
         Cell &cell = cells[static_cast<std::size_t>(found)];
@@ -199,6 +202,57 @@ private:
     std::vector<std::int32_t> cell_of_slot_;
 };
 
+float mean(const glm::vec3 &rgb) {
+    return (rgb.x + rgb.y + rgb.z) * (1.0F / 3.0F);
+}
+
+// Puts the brightest cells, of what they send of lights, together to few places.
+void find_bright(const std::vector<Cell> &cells, LightCacheView &view) {
+    constexpr float BRIGHTER = 4.0F, APART = 8.0F; // than the mean; cells
+    struct Bright {
+        glm::vec3 middle;
+        float size, flux;
+        int place = -1;
+    };
+    std::vector<Bright> all;
+    float flux = 0.0F, area = 0.0F;
+    for (const Cell &cell : cells) {
+        Bright each{glm::vec3(0.0F), std::ldexp(view.size, cell.level), 0.0F};
+        glm::vec3 albedo(0.0F), emission(0.0F);
+        for (std::size_t k = 0; k < cell.count; ++k) {
+            emission += cell.places[k].emission / static_cast<float>(cell.count);
+            each.middle += cell.places[k].position / static_cast<float>(cell.count);
+            albedo += cell.places[k].albedo / static_cast<float>(cell.count);
+        }
+        each.flux = mean(emission + albedo * (cell.direct + cell.emitted)) * each.size * each.size;
+        flux += each.flux;
+        area += each.size * each.size;
+        all.push_back(each);
+    }
+    std::erase_if(all, [&](const Bright &each) { return each.flux * area <= BRIGHTER * flux * each.size * each.size; });
+    std::ranges::sort(all, std::ranges::greater(), &Bright::flux);
+    for (Bright &each : all) {
+        float closest = std::numeric_limits<float>::max();
+        for (int k = 0; k < view.bright_count; ++k) {
+            const float away = glm::distance(view.bright[static_cast<std::size_t>(k)].middle, each.middle);
+            if (away < closest) {
+                closest = away;
+                each.place = k;
+            }
+        }
+        if (closest > APART * each.size && view.bright_count < LightCacheView::MOST_BRIGHT) {
+            each.place = view.bright_count++;
+        }
+        BrightPlace &place = view.bright[static_cast<std::size_t>(each.place)];
+        place.middle = (place.middle * place.flux + each.middle * each.flux) / (place.flux + each.flux);
+        place.flux += each.flux;
+    }
+    for (const Bright &each : all) {
+        BrightPlace &place = view.bright[static_cast<std::size_t>(each.place)];
+        place.radius = std::max(place.radius, glm::distance(place.middle, each.middle) + each.size);
+    }
+}
+
 // What comes after one bounce more.
 std::vector<glm::vec3> bounced(const Growth &growth, const std::vector<glm::vec3> &indirect) {
     std::vector<glm::vec3> out(indirect.size());
@@ -224,6 +278,7 @@ LightCache::LightCache(const FrameView &frame, const BounceKernels &kernels, int
     Growth growth(frame, kernels, view_);
     growth.run();
     count_ = growth.cells.size();
+    find_bright(growth.cells, view_);
     std::vector<glm::vec3> before(count_, glm::vec3(0.0F)), after = before;
     for (int i = 0; i < bounces; ++i) {
         before = std::move(after);
