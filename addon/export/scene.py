@@ -274,6 +274,15 @@ def export(
     )
     glass = (group.name for group in solids if any(surface.glass for surface in group.surfaces))
     omissions.of_glass(dict.fromkeys(glass), sharp, depsgraph, looks)
+    all_looks = [look for group in solids for look in group.surfaces or ()]
+    unreflected = {
+        "hair": bool(strands),
+        "particles": bool(points.bodies),
+        "what lets light through": any(look.lets_through for look in all_looks),
+        "fog": any(group.volume is not None for group in solids),
+    }
+    if reflections and not lies_over:
+        out.notices += bounces.said(all_looks, out.bounced, unreflected, bool(media))
     air.add_air(out.scene, depsgraph, origin, space, suns, out.notices)
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:

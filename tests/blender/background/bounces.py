@@ -138,5 +138,21 @@ def test_a_lamp_of_few_faces_counts_once() -> None:
     assert error("a glowing tile", 3) < 0.035
 
 
+def test_what_it_leaves_out_is_named() -> None:
+    open_room()
+    add_ball((-0.5, 0.4, 0.6), metal(0.1))
+    assert not any("What mirrors shows" in line for line in harness.said()), harness.said()
+    bpy.ops.mesh.primitive_plane_add(size=0.5, location=(0.0, 0.0, 1.0))
+    harness.shade(bpy.context.object.data, "ShaderNodeBsdfTransparent").inputs["Color"].default_value = (0.5,) * 3 + (
+        1.0,
+    )
+    assert "What mirrors shows surfaces and smoke, but not what lets light through" in harness.said(), harness.said()
+    thing = harness.volume(harness.ROOT / "blend_samples" / "frames" / "fire.vdb")
+    harness.shade(thing.data, "ShaderNodeVolumePrincipled", "Volume")
+    assert not any("Bounced Light" in line for line in harness.said()), harness.said()
+    bpy.context.scene.sfumato.bounced_light = True
+    assert "Bounced Light does not reach smoke, which lamps and the world light" in harness.said(), harness.said()
+
+
 if __name__ == "__main__":
     harness.main()
