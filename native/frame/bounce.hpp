@@ -50,9 +50,10 @@ struct BounceRays {
     // of its light will do.
     bool closely = false;
     alignas(64) float radiance[3][MAX_LANES];
+    alignas(64) float sky[3][MAX_LANES]; // of what meets nothing, for what is matt
 };
 
-// What rays meet first. The albedo is that of all layers together.
+// What rays meet first. The albedo is that of all layers together. Where nothing is hit, the emission is a sky's.
 struct BouncePoint {
     bool hit = false;
     glm::vec3 position{0.0F}, normal{0.0F}, albedo{0.0F}, emission{0.0F};
@@ -70,7 +71,7 @@ struct BounceKernels {
 };
 
 struct BounceView {
-    bool gloss = false, diffuse = false;
+    bool gloss = false, diffuse = false;     // if diffuse, light of a sky comes by the same way
     bool settled = false;                    // whether what is kept is all that is shown: while a view moves
     const LightCacheView *cache = nullptr;   // where diffuse
     const LightView *surroundings = nullptr; // white, of which gloss shows what it reflects of all

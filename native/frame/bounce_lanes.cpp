@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numbers>
 
 namespace sfumato::SFUMATO_ISA {
 
@@ -32,6 +33,27 @@ inline MetSurface met_along(const FrameView &frame, const vec3 &origin, const ve
         out.surface.emission = pick(lamp, vec3(0.0F, 0.0F, 0.0F), out.surface.emission);
     }
     return out;
+}
+
+// What comes from skies to what is matt, less what sheets take.
+inline vec3 sky_along(const FrameView &frame, const vec3 &origin, const vec3 &direction, Mask asked) {
+    vec3 sum{0.0F, 0.0F, 0.0F};
+    for (const LightView &light : frame.lights) {
+        if (!light.surrounds() || !light.reach.diffuse || !xsimd::any(asked)) {
+            continue;
+        }
+        vec3 radiance = broadcast(light.strength * (0.25F * std::numbers::inv_pi_v<float>));
+        if (light.sky != nullptr) {
+            const glm::vec3 by = 1.0F / glm::max(light.sky->mean(), glm::vec3(1e-30F));
+            radiance = multiplied(radiance, multiplied(nearest_in(light.sky->looks(), direction), broadcast(by)));
+        }
+        if (light.sheets.scene != nullptr) {
+            radiance =
+                multiplied(radiance, past_sheets(frame.surfaces, light.sheets, origin, direction, Real(1e30F), asked));
+        }
+        sum = sum + radiance;
+    }
+    return pick(asked, sum, vec3(0.0F, 0.0F, 0.0F));
 }
 
 // Of gloss, what it sends to all sides.
@@ -78,6 +100,9 @@ void shine(const FrameView &frame, BounceRays &rays) {
         radiance = load(sent) + multiplied(radiance, load(left));
     }
     store(pick(active, radiance, nothing), rays.radiance);
+    if (!rays.closely) {
+        store(sky_along(frame, met.ray.origin, met.ray.direction, active & !surface.hit), rays.sky);
+    }
 }
 
 void meet(const FrameView &frame, std::span<const BounceRay> rays, std::span<BouncePoint> out) {
@@ -95,25 +120,31 @@ void meet(const FrameView &frame, std::span<const BounceRay> rays, std::span<Bou
         const MetSurface met = met_along(frame, load(origin), load(direction), Real::load_aligned(active) > 0.0F);
         const Surface &surface = met.surface;
         const bool any = xsimd::any(surface.hit);
+        const Mask missed = (Real::load_aligned(active) > 0.0F) & !surface.hit;
+        const vec3 beyond = frame.bounces.diffuse ? sky_along(frame, met.ray.origin, met.ray.direction, missed)
+                                                  : vec3(0.0F, 0.0F, 0.0F);
         alignas(64) float hits[MAX_LANES], position[3][MAX_LANES], normal[3][MAX_LANES], albedo[3][MAX_LANES],
             emission[3][MAX_LANES];
         pick(surface.hit, 1.0F, 0.0F).store_aligned(hits);
+        store(beyond, emission);
         if (any) {
             const vec3 point = met.ray.origin + met.ray.direction * surface.distance;
             store(point + surface.geometric_normal * offset_of(point, surface.distance), position);
             store(surface.normal, normal);
             store(surface.albedo + shine_of(surface), albedo);
-            store(surface.emission, emission);
+            store(pick(surface.hit, surface.emission, beyond), emission);
         }
         for (std::size_t lane = 0; lane < some.size(); ++lane) {
             BouncePoint &point = out[first + lane];
             point = {};
             point.hit = any && hits[lane] > 0.0F;
+            for (int axis = 0; axis < 3; ++axis) {
+                point.emission[axis] = emission[axis][lane];
+            }
             for (int axis = 0; axis < 3 && point.hit; ++axis) {
                 point.position[axis] = position[axis][lane];
                 point.normal[axis] = normal[axis][lane];
                 point.albedo[axis] = albedo[axis][lane];
-                point.emission[axis] = emission[axis][lane];
             }
         }
     }

@@ -220,6 +220,7 @@ constexpr float LEAST_ALPHA = 0.01F;
     }
 
     const Plane plane = plane_across(surface.normal);
+    vec3 found_sky{0.0F, 0.0F, 0.0F}, sky = found_sky; // by the last ray, and all
     const auto follow = [&](const vec3 &from, const vec3 &towards, Mask these, Real u, Real v, bool closely) {
         BounceRays rays;
         store(from, rays.origin);
@@ -230,6 +231,9 @@ constexpr float LEAST_ALPHA = 0.01F;
         v.store_aligned(rays.light_v);
         rays.closely = closely;
         shine(frame, rays);
+        if (!closely) {
+            found_sky = load(rays.sky);
+        }
         return load(rays.radiance);
     };
     std::optional<BrightGuide> guide;
@@ -276,6 +280,7 @@ constexpr float LEAST_ALPHA = 0.01F;
                     worth = guided ? pick(guide->any(), worth, 0.0F) : worth;
                 }
                 out.dull.found = out.dull.found + follow(from, towards, asked & (worth > 0.0F), x, y, false) * worth;
+                sky = sky + found_sky * pick(asked & (worth > 0.0F), worth, 0.0F);
             }
             for (int k = 0; k < lobes && i < GLOSS_LOOKS; ++k) {
                 const Mask these =
@@ -302,6 +307,18 @@ constexpr float LEAST_ALPHA = 0.01F;
          settled   ? 1
          : gathers ? looks
                    : std::min(looks, GLOSS_LOOKS));
+    if (gathers) {
+        for (const LightView &light : frame.lights) {
+            if (light.surrounds()) { // of a sky there is one
+                Real past_hair[3], past_smoke[3];
+                media_transmittance(frame, light, point, surface.normal, past_hair, past_smoke);
+                for (int c = 0; c < 3; ++c) {
+                    sky[c] = sky[c] * past_hair[c] * past_smoke[c];
+                }
+            }
+        }
+        out.dull.found = out.dull.found + sky;
+    }
     // Of several layers the filter sees one, in the colour of all that they show.
     for (int k = 0; k < lobes; ++k) {
         const vec3 sent = multiplied(colour[k], gloss_found[k] * (1.0F / gloss_worths[k]));

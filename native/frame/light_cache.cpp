@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <span>
 
@@ -96,8 +97,15 @@ public:
         light();
     }
 
+    // A ray to the sky, and what it finds there.
+    struct Missed {
+        BounceRay ray;
+        glm::vec3 radiance;
+    };
+
     std::vector<Cell> cells;
     std::vector<Link> links; // RAYS of each cell
+    std::vector<Missed> missed;
 
 private:
     [[nodiscard]] std::vector<BouncePoint> met(const std::vector<BounceRay> &rays) const {
@@ -170,6 +178,9 @@ private:
                 const BouncePoint &point = points[(i - first) * RAYS + k];
                 links[i * RAYS + k] = {cell_at(point, grows), point.albedo};
                 emitted += point.emission;
+                if (!point.hit && point.emission != glm::vec3(0.0F)) {
+                    missed.push_back({rays[(i - first) * RAYS + k], point.emission});
+                }
             }
             cells[i].emitted = emitted / static_cast<float>(RAYS);
         }
@@ -206,14 +217,53 @@ float mean(const glm::vec3 &rgb) {
     return (rgb.x + rgb.y + rgb.z) * (1.0F / 3.0F);
 }
 
-// Puts the brightest cells, of what they send of lights, together to few places.
-void find_bright(const std::vector<Cell> &cells, LightCacheView &view) {
-    constexpr float BRIGHTER = 4.0F, APART = 8.0F; // than the mean; cells
-    struct Bright {
-        glm::vec3 middle;
-        float size, flux;
-        int place = -1;
+struct Bright {
+    glm::vec3 middle;
+    float size, flux;
+    int place = -1;
+};
+
+// Where rays leave the box around all cells to the sky: of a room, its windows.
+void add_windows(const Growth &growth, float size, std::vector<Bright> &all) {
+    glm::vec3 low(std::numeric_limits<float>::max()), high = -low;
+    for (const Cell &cell : growth.cells) {
+        for (std::size_t k = 0; k < cell.count; ++k) {
+            low = glm::min(low, cell.places[k].position);
+            high = glm::max(high, cell.places[k].position);
+        }
+    }
+    struct Sum {
+        glm::vec3 middle{0.0F};
+        float radiance = 0.0F, count = 0.0F;
     };
+    std::map<std::array<int, 3>, Sum> windows;
+    for (const auto &[ray, radiance] : growth.missed) {
+        float reach = std::numeric_limits<float>::max();
+        for (int axis = 0; axis < 3; ++axis) {
+            const float way = ray.direction[axis];
+            if (std::abs(way) > 1e-6F) {
+                reach = std::min(reach, ((way > 0.0F ? high : low)[axis] - ray.origin[axis]) / way);
+            }
+        }
+        const glm::vec3 out = ray.origin + ray.direction * std::max(reach, 0.0F);
+        std::array<int, 3> key{};
+        for (int axis = 0; axis < 3; ++axis) {
+            key[static_cast<std::size_t>(axis)] = static_cast<int>(std::floor((out[axis] - low[axis]) / size));
+        }
+        Sum &sum = windows[key];
+        sum.middle += out;
+        sum.radiance += mean(radiance);
+        sum.count += 1.0F;
+    }
+    for (const auto &[key, sum] : windows) {
+        all.push_back({sum.middle / sum.count, size, sum.radiance / sum.count * size * size});
+    }
+}
+
+// Puts the brightest cells, of what they send of lights, together to few places.
+void find_bright(const Growth &growth, LightCacheView &view) {
+    constexpr float BRIGHTER = 4.0F, APART = 8.0F; // than the mean; cells
+    const std::vector<Cell> &cells = growth.cells;
     std::vector<Bright> all;
     float flux = 0.0F, area = 0.0F;
     for (const Cell &cell : cells) {
@@ -229,6 +279,7 @@ void find_bright(const std::vector<Cell> &cells, LightCacheView &view) {
         area += each.size * each.size;
         all.push_back(each);
     }
+    add_windows(growth, 2.0F * view.size, all);
     std::erase_if(all, [&](const Bright &each) { return each.flux * area <= BRIGHTER * flux * each.size * each.size; });
     std::ranges::sort(all, std::ranges::greater(), &Bright::flux);
     for (Bright &each : all) {
@@ -278,7 +329,7 @@ LightCache::LightCache(const FrameView &frame, const BounceKernels &kernels, int
     Growth growth(frame, kernels, view_);
     growth.run();
     count_ = growth.cells.size();
-    find_bright(growth.cells, view_);
+    find_bright(growth, view_);
     std::vector<glm::vec3> before(count_, glm::vec3(0.0F)), after = before;
     for (int i = 0; i < bounces; ++i) {
         before = std::move(after);

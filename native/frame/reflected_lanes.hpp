@@ -621,7 +621,9 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
     for (const LightView &light : frame.lights) {
         shade_diffuse(light, packed);
         const Mask reached = reached_by(frame.surfaces, light, surface);
-        const Real diffuse = light.reach.diffuse ? pick(reached, Real::load_aligned(packed.diffuse), 0.0F) : Real(0.0F);
+        // Where surfaces light each other, rays for that find the sky, too.
+        const bool spreads = light.reach.diffuse && !(radiance && frame.bounces.diffuse && light.surrounds());
+        const Real diffuse = spreads ? pick(reached, Real::load_aligned(packed.diffuse), 0.0F) : Real(0.0F);
         Mirrored gloss[MAX_LOBES];
         Mask lit = diffuse > 0.0F;
         const int mirrors = light.reach.gloss ? lobes : 0;

@@ -103,6 +103,16 @@ def test_a_mirror_shows_what_a_mirrored_eye_sees(smoke: bool) -> None:
     assert np.abs(there - alone)[shown].mean() < 0.03 * alone[shown].mean()
 
 
+@pytest.mark.parametrize("bounces", [0, 1, 3])
+def test_a_sky_counts_once(bounces: int) -> None:
+    scene = Scene()
+    scene.add_mesh([[-9, -9, 0], [9, -9, 0], [0, 18, 0]], [[0, 1, 2]], [[[0, 0, 1]] * 3], [0], [(0.5, 0.25, 1.0)])
+    scene.add_sky((2, 2, 2))
+    scene.set_bounces(diffuse=bounces)
+    picture = Frame(scene).render(looking((0, 0.3, 2), (0, 0, 0)), 16, 16)[4:12, 4:12, :3]
+    np.testing.assert_allclose(picture, np.broadcast_to((1.0, 0.5, 2.0), picture.shape), rtol=2e-3)
+
+
 def test_a_picture_does_not_hang_on_what_was_seen_before() -> None:
     scene = Scene()
     add_box(scene, (-2, -2, 0), (2, 2, 3), albedo=[(0.7, 0.7, 0.7)])

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import bmesh
 import bpy
 import harness
 import numpy as np
@@ -136,6 +137,22 @@ def test_a_lamp_of_few_faces_counts_once() -> None:
     add_cube("Tile", (0.0, 0.0, 2.7), (0.6, 0.6, 0.02), glowing(20.0))
     bpy.context.scene.sfumato.bounced_light = True
     assert error("a glowing tile", 3) < 0.035
+
+
+def test_the_world_lights_a_room_through_its_open_side() -> None:
+    open_room(lamp=False)
+    room = bpy.data.objects["Room"].data
+    mesh = bmesh.new()
+    mesh.from_mesh(room)
+    bmesh.ops.delete(mesh, geom=[face for face in mesh.faces if face.normal.y < -0.5], context="FACES")
+    mesh.to_mesh(room)
+    world = bpy.context.scene.world
+    world.use_nodes = True
+    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Color"].default_value = (0.8, 0.9, 1.0, 1.0)
+    background.inputs["Strength"].default_value = 1.0
+    bpy.context.scene.sfumato.bounced_light = True
+    assert error("a room without a wall", 3) < 0.04
 
 
 def test_what_it_leaves_out_is_named() -> None:
