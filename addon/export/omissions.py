@@ -127,12 +127,18 @@ def of_glass(names: Iterable[str], sharp: Iterable[str], depsgraph: Any, notices
     scene, layer = depsgraph.scene, depsgraph.view_layer_eval
     asked = depsgraph.mode == "RENDER" and any(getattr(layer, f"use_pass_{name}") for name in _PASSES_OF_SURFACES)
     dark = _value(scene, "cycles.caustics_refractive") is False
+    # A quarter to a half darker, behind clear flat panes in a lamp's light (5.0.1).
+    darker = not dark and (_value(scene, "cycles.blur_glossy") or 0.0) > 0.0
     opaque = scene.render.film_transparent and _value(scene, "cycles.film_transparent_glass") is False
     any_glass = False
     for name in names:
         any_glass = True
         if dark:
             notices.append(f"{name}: its glass casts a shadow in its color, though Refractive Caustics is off")
+        if darker:
+            notices.append(
+                f"{name}: its glass takes no light for Filter Glossy, by which Cycles' shadow of it is darker"
+            )
         if opaque:
             notices.append(f"{name}: the transparent film is seen through its glass, though Transparent Glass is off")
         if asked:

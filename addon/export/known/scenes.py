@@ -107,6 +107,8 @@ CYCLES = Struct(
         Named("sample_clamp_direct", (0.0,), "Clamping of Direct Light at {value} is not followed; nothing is clamped"),
         Named("caustics_refractive", (True,), "its glass casts a shadow in its color, though Refractive Caustics is off",
               elsewhere=True),
+        Named("blur_glossy", (0.0,), "its glass takes no light for Filter Glossy, by which Cycles' shadow of it is darker",
+              elsewhere=True),
         Named("film_transparent_glass", (True,), "the transparent film is seen through its glass, though Transparent "
               "Glass is off", when=(("render.film_transparent", True),), elsewhere=True),
         Named("use_camera_cull", (False,), "Simplify's Camera Culling is not followed; nothing is left out",
@@ -116,7 +118,7 @@ CYCLES = Struct(
     ),
     idle={
         _INDIRECT: "transmission_bounces volume_bounces min_light_bounces "
-        "caustics_reflective blur_glossy sample_clamp_indirect use_fast_gi fast_gi_method "
+        "caustics_reflective sample_clamp_indirect use_fast_gi fast_gi_method "
         "ao_bounces ao_bounces_render",
         "how many transparent surfaces Cycles looks through; we do through all": "transparent_max_bounces "
         "min_transparent_bounces",

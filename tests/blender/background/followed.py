@@ -82,6 +82,8 @@ TRIED_IN = {
     "ViewLayer.use_solid ViewLayer.use_volumes ViewLayer.use_sky LayerCollection.holdout LayerCollection.indirect_only",
     "transparent.py": "ViewLayer.pass_alpha_threshold",
     "hair.py": "Object.particle_systems ViewLayer.use_strand",
+    "bounces.py": "CyclesRenderSettings.max_bounces CyclesRenderSettings.diffuse_bounces "
+    "CyclesRenderSettings.glossy_bounces",
     "pixel_filter.py": "CyclesRenderSettings.pixel_filter_type CyclesRenderSettings.filter_width",
     "several_views.py": "RenderSettings.use_multiview RenderSettings.views RenderSettings.stereo_views "
     "RenderSettings.views_format Camera.stereo",

@@ -234,11 +234,13 @@ def test_what_glass_does_not_do_is_named_once() -> None:
     assert new == [
         "Pane: what is seen through its glass is sharp, in spite of its Roughness of 0.3",
         "Pane: its glass does not bend light",
+        "Pane: its glass takes no light for Filter Glossy, by which Cycles' shadow of it is darker",
     ], new
 
 
 def test_what_does_not_bend_light_is_not_named() -> None:
     stage()
+    bpy.context.scene.cycles.blur_glossy = 0.0
     before = harness.said()
     pane(REFRACTION, (0.0, 0.0, 0.6), 90.0, {"IOR": 1.0})
     new = [line for line in harness.said() if line not in before]

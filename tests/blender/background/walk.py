@@ -112,11 +112,18 @@ def _of_glass(stage: Stage) -> None:
     """Of which nothing else is said."""
     stage.floor.data.materials.clear()
     harness.put(harness.shade(stage.floor.data, "ShaderNodeBsdfRefraction"), IOR=1.0, Roughness=0.0)
+    stage.scene.cycles.blur_glossy = 0.0
 
 
 def without_caustics(stage: Stage) -> str:
     _of_glass(stage)
     stage.scene.cycles.caustics_refractive = False
+    return "Floor"
+
+
+def with_filter_glossy(stage: Stage) -> str:
+    _of_glass(stage)
+    stage.scene.cycles.blur_glossy = 0.5
     return "Floor"
 
 
@@ -135,6 +142,7 @@ TOGETHER: dict[tuple[str, str], Callable[[Stage], str]] = {
     ("Material", "use_transparent_shadow"): without_transparent_shadow,
     ("CyclesMaterialSettings", "use_transparent_shadow"): without_transparent_shadow,
     ("CyclesRenderSettings", "caustics_refractive"): without_caustics,
+    ("CyclesRenderSettings", "blur_glossy"): with_filter_glossy,
     ("CyclesRenderSettings", "film_transparent_glass"): before_a_transparent_film,
 }
 
