@@ -177,6 +177,7 @@ constexpr float LEAST_ALPHA = 0.01F;
                                                 const Surface &surface, Mask asked, bool settled) {
     constexpr double GOLDEN = 0.6180339887498949;
     constexpr std::size_t GLOSS_LOOKS = 2;
+    constexpr float RIM = 1e-3F; // on which facets would lie flat
     const BounceView &bounces = frame.bounces;
     FromOthers out = from_no_others();
     const vec3 point = ray.origin + ray.direction * surface.distance, to_eye = -ray.direction;
@@ -258,7 +259,7 @@ constexpr float LEAST_ALPHA = 0.01F;
             const double number = static_cast<double>(guided ? i - (count - guided_count) : i) + 0.5;
             const auto shifted = [](Real middle, double to) {
                 const Real at = middle + static_cast<float>(0.125 * (to - 0.5));
-                return at - floor(at);
+                return clamp(at - floor(at), RIM, 1.0F - RIM);
             };
             const Real x = shifted(u, number / static_cast<double>(alike));
             const Real y = shifted(v, std::fmod(GOLDEN * number, 1.0));

@@ -103,6 +103,18 @@ def test_a_mirror_shows_what_a_mirrored_eye_sees(smoke: bool) -> None:
     assert np.abs(there - alone)[shown].mean() < 0.03 * alone[shown].mean()
 
 
+@pytest.mark.parametrize("samples", [1, 4, 16, 64])
+def test_a_mirror_in_an_even_room_is_even(samples: int) -> None:
+    # Whatever its facets show, and however often they are asked.
+    scene = Scene()
+    add_box(scene, (-2, -2, 0), (2, 2, 3), albedo=[(0, 0, 0)], emission=[(1, 1, 1)])
+    gloss = [[0.9, 0.9, 0.9, 0, 0.01, 0.01, 0, 0]]
+    add_box(scene, (-0.5, -0.5, 0.5), (0.5, 0.5, 1.5), albedo=[(0, 0, 0)], gloss=gloss)
+    scene.set_bounces(gloss=True)
+    picture = Frame(scene).render(looking((1.5, 1.3, 1.2), (0, 0, 1)), 64, 48, edge_samples=samples)[..., 0]
+    assert picture.min() > 0.885 and picture[20:28, 28:36].max() < 0.91 and picture.max() < 1.001
+
+
 @pytest.mark.parametrize("bounces", [0, 1, 3])
 def test_a_sky_counts_once(bounces: int) -> None:
     scene = Scene()
