@@ -24,9 +24,20 @@ def output_in(tree: Any, kind: str) -> Any | None:
     return next((node for node in tree.nodes if node.type == kind and node.is_active_output), None)
 
 
+def input_of(node: Any, name: str) -> Any:
+    """An input by its name; also one that its node does not use as it is set, which Blender (4.2 to 5.0) hides from such a search.
+
+    Raises KeyError where there is none.
+    """
+    found = node.inputs.get(name) or next((socket for socket in node.inputs if socket.name == name), None)
+    if found is None:
+        raise KeyError(name)
+    return found
+
+
 def linked_node(node: Any, socket: str | int) -> Any | None:
     """The node behind an input, by its name or place, reroutes followed, or None."""
-    links = node.inputs[socket].links
+    links = (input_of(node, socket) if isinstance(socket, str) else node.inputs[socket]).links
     while links:
         source = links[0].from_node
         if source.type != "REROUTE":
@@ -38,7 +49,7 @@ def linked_node(node: Any, socket: str | int) -> Any | None:
 def value_of(node: Any, name: str, owner: str, notices: list[str]) -> Any:
     """The constant of an input, or of the node of one colour or value that is linked to it; of any other link it is noted
     that the input's own value is used."""
-    socket = node.inputs[name]
+    socket = input_of(node, name)
     value = socket.default_value
     source = linked_node(node, name)
     if source is not None and not source.mute and source.type in {"VALUE", "RGB"}:

@@ -190,7 +190,9 @@ def test_hair_curves_are_as_wide_as_cycles_has_them() -> None:
 def test_what_is_shown_otherwise_is_named_once() -> None:
     stage()
     made = ball(20, hair_material(Melanin=0.8))
-    assert not exported()
+    for way in ("ABSORPTION", "COLOR", "MELANIN"):  # of which each has inputs of its own
+        made.data.materials[0].node_tree.nodes["Principled Hair BSDF"].parametrization = way
+        assert not exported(), (way, exported())
     if hasattr(bpy.types.ShaderNodeBsdfHairPrincipled, "model"):
         made.data.materials[0].node_tree.nodes["Principled Hair BSDF"].model = "HUANG"
         assert len(exported()) == 1 and "Huang" in exported()[0], exported()
