@@ -113,6 +113,7 @@ def _of_glass(stage: Stage) -> None:
     stage.floor.data.materials.clear()
     harness.put(harness.shade(stage.floor.data, "ShaderNodeBsdfRefraction"), IOR=1.0, Roughness=0.0)
     stage.scene.cycles.blur_glossy = 0.0
+    stage.lamp.data.shadow_soft_size = 0.1
 
 
 def without_caustics(stage: Stage) -> str:
