@@ -25,7 +25,7 @@ def output_in(tree: Any, kind: str) -> Any | None:
 
 
 def input_of(node: Any, name: str) -> Any:
-    """An input by its name; also one that its node does not use as it is set, which Blender (4.2 to 5.0) hides from such a search.
+    """An input by its name; also one that its node does not use as it is set, which 4.2 to 5.0 hide from such a search.
 
     Raises KeyError where there is none.
     """

@@ -88,11 +88,14 @@ def in_blocks(picture: NDArray[np.float32], side: int) -> NDArray[np.float64]:
     return picture[..., :3].astype(np.float64).reshape(height, side, width, side, 3).mean(axis=(1, 3))
 
 
-def error_beside_cycles(case: str, size: tuple[int, int], samples: int, side: int = 4) -> float:
+def error_beside_cycles(case: str, size: tuple[int, int], samples: int, side: int = 4, bounces: int = 0) -> float:
     """The root mean square by which blocks of the picture differ from those in the Cycles of this Blender, in light that
-    nothing passes on, over the latter's, with its noise taken off: from two renders whose random numbers differ."""
+    nothing passes on, or surfaces so many times, over the latter's, with its noise taken off: from two renders whose random
+    numbers differ."""
     cycles = bpy.context.scene.cycles
-    cycles.max_bounces, cycles.volume_bounces, cycles.samples = 0, 0, samples
+    cycles.diffuse_bounces = cycles.glossy_bounces = bounces
+    cycles.max_bounces = bounces + 1 if bounces else 0  # of what a mirror shows
+    cycles.volume_bounces, cycles.samples, cycles.sample_clamp_indirect = 0, samples, 0.0
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     ours = in_blocks(render(size), side)
     first, second = (in_blocks(render(size, "CYCLES"), side) for cycles.seed in (1, 2))

@@ -10,7 +10,6 @@ from typing import Any
 import bmesh
 import bpy
 import harness
-import numpy as np
 import pictures
 
 SIZE = (160, 96)
@@ -82,18 +81,7 @@ def open_room(lamp: bool = True) -> None:
 
 
 def error(case: str, bounces: int, samples: int = 192) -> float:
-    """As pictures.error_beside_cycles, with so many bounces of each kind."""
-    cycles = bpy.context.scene.cycles
-    cycles.diffuse_bounces = cycles.glossy_bounces = bounces
-    cycles.max_bounces = bounces + 1 if bounces else 0  # of what a mirror shows
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.sample_clamp_indirect, cycles.samples = 0.0, samples
-    ours = pictures.in_blocks(pictures.render(SIZE), 4)
-    first, second = (pictures.in_blocks(pictures.render(SIZE, "CYCLES"), 4) for cycles.seed in (1, 2))
-    theirs, noise = (first + second) / 2.0, float(((first - second) ** 2).mean()) / 4.0
-    found = float(np.sqrt(max(((ours - theirs) ** 2).mean() - noise, 0.0) / (theirs**2).mean()))
-    print(f"  {case}: {found:.2%}, means {ours.mean() / theirs.mean():.4f}", flush=True)
-    return found
+    return pictures.error_beside_cycles(case, SIZE, samples, bounces=bounces)
 
 
 def test_a_closed_room_is_lit_by_its_walls() -> None:
