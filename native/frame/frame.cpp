@@ -2,6 +2,8 @@
 #include "frame/frame.hpp"
 
 #include "frame/ball_footprints.hpp"
+#include "frame/blurred.hpp"
+#include "frame/eyes.hpp"
 #include "frame/glance.hpp"
 #include "scene/scene.hpp"
 #include "text/rays_text.hpp"
@@ -132,31 +134,62 @@ void Frame::show_particles(ParticlesView &view) const {
     view.first_body = content_.media.size();
 }
 
-std::optional<Image> Frame::image(const Camera &camera, int width, int height, LayerSet wanted, int edge_samples,
-                                  const Progress &progress) const {
-    Views seen = views(camera, width, height, wanted, step_length_);
-    if (wanted.has(Layer::RADIANCE)) {
-        see_bounces(camera, false, seen);
+Frame::Eyes Frame::eyes(const Exposure &exposure, int width, int height, LayerSet wanted, const Film &film,
+                        const FrameView &sharp) const {
+    // Of what is sorted by where it is in the picture there are so many sortings, which pixels share.
+    constexpr std::size_t SORTINGS = 32;
+    Eyes out;
+    if (exposure.sharp()) {
+        return out;
     }
-    const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
-    return prepared_->arena.execute([&] { return traced(tracer, width, height, {edge_samples, {}}, progress); });
+    constexpr int SAMPLES_A_ROUND = 4; // of edges: as many rounds as these ask for
+    out.rounds = std::clamp(film.edge_samples / SAMPLES_A_ROUND, 1, 16);
+    std::vector<Eye> eyes = eyes_of(exposure, out.rounds);
+    const bool sorting = sharp.particles.puffs != nullptr || !sharp.strands.empty();
+    eyes.resize(sorting ? SORTINGS : eyes.size());
+    for (const Eye &eye : eyes) {
+        FrameView view = sharp;
+        for (std::size_t i = 0; i < 3; ++i) {
+            view.camera[i] = eye.camera.near[i];
+            view.camera[3 + i] = eye.camera.far[i];
+        }
+        if (sorting) {
+            Views &own = out.own.emplace_back(
+                views(eye.camera, width, height, wanted, step_length_, film.filter.diameter() / 2.0));
+            view.particles = own.frame.particles;
+            view.strands = own.frame.strands;
+        }
+        out.views.push_back(view);
+    }
+    return out;
 }
 
-std::optional<std::vector<float>> Frame::render(const Camera &camera, int width, int height, int edge_samples,
-                                                const Progress &progress) const {
-    std::optional<Image> picture = image(camera, width, height, PICTURE, edge_samples, progress);
-    return picture ? std::optional(std::move(picture->rgba)) : std::nullopt;
-}
-
-std::optional<Image> Frame::passes(const Camera &camera, int width, int height, LayerSet wanted, const Mist &mist,
-                                   float least_alpha, const Film &film, const Progress &progress) const {
+std::optional<Image> Frame::image(const Exposure &exposure, int width, int height, LayerSet wanted, const Film &film,
+                                  const Mist &mist, float least_alpha, const Progress &progress) const {
+    const Camera camera = exposure.middle();
     Views seen = views(camera, width, height, wanted, step_length_, film.filter.diameter() / 2.0);
     seen.frame.mist = mist;
     seen.frame.least_alpha = least_alpha;
-    see_bounces(camera, false, seen);
+    if (wanted.has(Layer::RADIANCE)) {
+        see_bounces(camera, false, seen);
+    }
+    const Eyes blurring = eyes(exposure, width, height, wanted, film, seen.frame);
     const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
+    return prepared_->arena.execute([&] {
+        return traced(tracer, {blurring.views, blurring.rounds}, width, height, film, progress);
+    });
+}
+
+std::optional<std::vector<float>> Frame::render(const Exposure &exposure, int width, int height, int edge_samples,
+                                                const Progress &progress) const {
     std::optional<Image> picture =
-        prepared_->arena.execute([&] { return traced(tracer, width, height, film, progress); });
+        image(exposure, width, height, PICTURE, {edge_samples, {}}, {}, FrameView{}.least_alpha, progress);
+    return picture ? std::optional(std::move(picture->rgba)) : std::nullopt;
+}
+
+std::optional<Image> Frame::passes(const Exposure &exposure, int width, int height, LayerSet wanted, const Mist &mist,
+                                   float least_alpha, const Film &film, const Progress &progress) const {
+    std::optional<Image> picture = image(exposure, width, height, wanted, film, mist, least_alpha, progress);
     if (picture) {
         for (PassImage &pass : picture->passes) {
             pass.finish();
@@ -167,7 +200,8 @@ std::optional<Image> Frame::passes(const Camera &camera, int width, int height, 
 
 std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int width, int height, LayerSet wanted,
                                                   int edge_samples, const Progress &progress) const {
-    std::optional<Image> picture = image(camera, width, height, wanted, edge_samples, progress);
+    std::optional<Image> picture =
+        image(camera, width, height, wanted, {edge_samples, {}}, {}, FrameView{}.least_alpha, progress);
     if (!picture) {
         return std::nullopt;
     }

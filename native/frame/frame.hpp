@@ -8,6 +8,7 @@
 #include "frame/prepared.hpp"
 #include "frame/stages.hpp"
 #include "media/strands.hpp"
+#include "scene/exposure.hpp"
 #include "scene/scene.hpp"
 #include "text/dispatch.hpp"
 
@@ -30,11 +31,11 @@ public:
 
     // Premultiplied RGBA, row 0 at the bottom, filtered as Cycles filters by default. Pixels in which surfaces or
     // their shadows change are sampled `edge_samples` times, the others once. Nothing if progress said stop.
-    [[nodiscard]] std::optional<std::vector<float>> render(const Camera &camera, int width, int height,
+    [[nodiscard]] std::optional<std::vector<float>> render(const Exposure &exposure, int width, int height,
                                                            int edge_samples, const Progress &progress) const;
 
     // The same, and the passes that are asked for beside the PICTURE.
-    [[nodiscard]] std::optional<Image> passes(const Camera &camera, int width, int height, LayerSet wanted,
+    [[nodiscard]] std::optional<Image> passes(const Exposure &exposure, int width, int height, LayerSet wanted,
                                               const Mist &mist, float least_alpha, const Film &film,
                                               const Progress &progress) const;
 
@@ -100,8 +101,17 @@ private:
     void see_strands(const Camera &camera, int width, int height, double reach, Views &views) const;
     // Light that surfaces have of each other: of a view that moves, what is kept of another camera's will do.
     void see_bounces(const Camera &camera, bool moving, Views &views) const;
-    [[nodiscard]] std::optional<Image> image(const Camera &camera, int width, int height, LayerSet wanted,
-                                             int edge_samples, const Progress &progress) const;
+    // All that an exposure's eyes see, beside `sharp`, which is what its middle does.
+    struct Eyes {
+        std::vector<Views> own; // of those for which there is more than a camera
+        std::vector<FrameView> views;
+        int rounds = 0;
+    };
+    [[nodiscard]] Eyes eyes(const Exposure &exposure, int width, int height, LayerSet wanted, const Film &film,
+                            const FrameView &sharp) const;
+    [[nodiscard]] std::optional<Image> image(const Exposure &exposure, int width, int height, LayerSet wanted,
+                                             const Film &film, const Mist &mist, float least_alpha,
+                                             const Progress &progress) const;
 
     const InstructionSet *instruction_set_;
     std::shared_ptr<Prepared> prepared_;

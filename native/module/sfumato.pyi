@@ -14,6 +14,22 @@ class Camera:
     def corners(self) -> NDArray[numpy.float32]:
         """(6, 3): near0, near_u, near_v, far0, far_u, far_v of shaders/camera.glsl."""
 
+class Exposure:
+    """What a picture is taken with, where a Camera alone would be sharp and still."""
+
+    def __init__(
+        self,
+        cameras: Sequence[Camera],
+        lens_radius: float = 0.0,
+        focus: float = 1.0,
+        near: float = 0.0,
+        blades: int = 0,
+        rotation: float = 0.0,
+        ratio: float = 1.0,
+        shutter: Sequence[float] = [],
+    ) -> None:
+        """2. __init__(self: sfumato.Exposure, camera: sfumato.Camera) -> None"""
+
 class Frame:
     """Everything about a scene that does not depend on the camera, computed once."""
 
@@ -81,7 +97,7 @@ class Frame:
         """Whether the camera sees any particles."""
     def passes(
         self,
-        camera: Camera,
+        camera: Exposure,
         width: int,
         height: int,
         names: Sequence[str],
@@ -106,7 +122,7 @@ class Frame:
         """
     def render(
         self,
-        camera: Camera,
+        camera: Exposure,
         width: int,
         height: int,
         edge_samples: int = 16,
