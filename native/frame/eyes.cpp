@@ -58,39 +58,34 @@ glm::vec2 on_polygon(int corners, float rotation, float u, float v) {
     return {c * p.x - s * p.y, s * p.x + c * p.y};
 }
 
-float instant(const std::vector<float> &shutter, float share) {
-    if (shutter.size() < 2) {
-        return share;
-    }
-    const float place = share * static_cast<float>(shutter.size() - 1);
-    const std::size_t from = std::min(static_cast<std::size_t>(place), shutter.size() - 2);
-    return glm::mix(shutter[from], shutter[from + 1], place - static_cast<float>(from));
-}
-
 } // namespace
 
-std::size_t eye_of(int turn, int round, int k, int rounds) {
+std::size_t eye_of(int turn, int k, int count) {
     // In an order, found by exchanges, in which neither a place on the lens nor the time goes by where in the pixel the
     // samples are: of any of their binary digits each is as good as independent.
-    constexpr std::array<int, EYES_A_ROUND> ORDER = {15, 9, 11, 4, 2, 13, 0, 6, 8, 10, 14, 5, 3, 12, 1, 7};
-    return static_cast<std::size_t>((turn * rounds + round) * EYES_A_ROUND + ORDER[static_cast<std::size_t>(k)]);
+    constexpr int ORDERED = 16;
+    constexpr std::array<int, ORDERED> ORDER = {15, 9, 11, 4, 2, 13, 0, 6, 8, 10, 14, 5, 3, 12, 1, 7};
+    // Of four there is none; then what goes with it in one pixel goes against it in the next.
+    const int own = count < ORDERED ? k ^ (turn % 2 != 0 ? count - 1 : 0)
+                                    : k - k % ORDERED + ORDER[static_cast<std::size_t>(k % ORDERED)];
+    return static_cast<std::size_t>(turn * count + own);
 }
 
-std::size_t first_eye_of(int turn, int rounds) {
-    return static_cast<std::size_t>(turn * rounds * EYES_A_ROUND + turn);
+std::size_t first_eye_of(int turn, int count) {
+    return static_cast<std::size_t>(turn * count + turn % count);
 }
 
-std::vector<Eye> eyes_of(const Exposure &exposure, int rounds) {
+std::vector<Glimpse> eyes_of(const Exposure &exposure, int count, float width) {
     const std::array<Directions, 3> directions = sobol_directions();
     const Lens &lens = exposure.lens;
-    std::vector<Eye> out(static_cast<std::size_t>(FILM_TURNS * EYES_A_ROUND * rounds));
+    std::vector<Glimpse> out(static_cast<std::size_t>(FILM_TURNS * count));
     for (std::size_t i = 0; i < out.size(); ++i) {
         const float u = sobol(directions[0], i), v = sobol(directions[1], i);
-        out[i].time = instant(exposure.shutter, sobol(directions[2], i));
+        out[i].time = exposure.when(0.5F + width * (sobol(directions[2], i) - 0.5F));
         out[i].camera = exposure.at(out[i].time);
         if (lens.radius > 0.0F) {
             const glm::vec2 at = lens.blades < 3 ? on_disk(u, v) : on_polygon(lens.blades, lens.rotation, u, v);
-            out[i].camera = through(out[i].camera, lens, at.x / lens.ratio, at.y);
+            out[i].camera = through(out[i].camera, lens, width * at.x / lens.ratio, width * at.y);
         }
     }
     return out;

@@ -10,20 +10,18 @@
 
 namespace sfumato {
 
-struct Eye {
+struct Glimpse {
     Camera camera;
     float time; // of the shutter's, 0 as it opens, 1 as it closes
 };
 
-// Samples of a pixel come in rounds: each, and all of them, is spread over the lens and over time.
-constexpr int EYES_A_ROUND = 16;
+// The eyes of the samples of pixels, as many as `count` for each turn, 4 or a multiple of 16: those of one turn, and
+// all of them, are spread over the lens and over time. These are as wide as `width` of what the exposure has.
+std::vector<Glimpse> eyes_of(const Exposure &exposure, int count, float width);
 
-// Of a pixel whose turn it is, the number of its eye of sample k in a round, among those of all turns and rounds.
-std::size_t eye_of(int turn, int round, int k, int rounds);
+// Of a pixel whose turn it is, the number of the eye of its sample k.
+std::size_t eye_of(int turn, int k, int count);
 // The eye of a first look: those of all turns lie far apart.
-std::size_t first_eye_of(int turn, int rounds);
-
-// One after the other, as eye_of() counts them.
-std::vector<Eye> eyes_of(const Exposure &exposure, int rounds);
+std::size_t first_eye_of(int turn, int count);
 
 } // namespace sfumato

@@ -2,6 +2,7 @@
 // A frame on the CPU: light maps, surfaces, smoke, film. A stage that the scene does not need does not run.
 #pragma once
 
+#include "frame/blurred.hpp"
 #include "frame/drawn.hpp"
 #include "frame/light_cache.hpp"
 #include "frame/picture.hpp"
@@ -12,10 +13,12 @@
 #include "scene/scene.hpp"
 #include "text/dispatch.hpp"
 
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace sfumato {
@@ -101,14 +104,11 @@ private:
     void see_strands(const Camera &camera, int width, int height, double reach, Views &views) const;
     // Light that surfaces have of each other: of a view that moves, what is kept of another camera's will do.
     void see_bounces(const Camera &camera, bool moving, Views &views) const;
-    // All that an exposure's eyes see, beside `sharp`, which is what its middle does.
-    struct Eyes {
-        std::vector<Views> own; // of those for which there is more than a camera
-        std::vector<FrameView> views;
-        int rounds = 0;
-    };
-    [[nodiscard]] Eyes eyes(const Exposure &exposure, int width, int height, LayerSet wanted, const Film &film,
-                            const FrameView &sharp) const;
+    // What an exposure's eyes see, beside `sharp`, which is what its middle does; `sortings` has what is their own.
+    [[nodiscard]] Blur blur_of(const Exposure &exposure, int width, int height, LayerSet wanted, const Film &film,
+                               const FrameView &sharp, std::deque<Views> &sortings) const;
+    // How far from an eye the smoke that is seen begins and ends.
+    [[nodiscard]] std::pair<float, float> smoke_from(const glm::vec3 &eye) const;
     [[nodiscard]] std::optional<Image> image(const Exposure &exposure, int width, int height, LayerSet wanted,
                                              const Film &film, const Mist &mist, float least_alpha,
                                              const Progress &progress) const;

@@ -112,7 +112,7 @@ SkyPixel sky_pixel(const SkyLayers &layers, std::size_t lane) {
 }
 void find_around(const Image &image, int x, int y, const Layers &layers, std::size_t lane, Image::Sample &values) {
     const SkyPixel own = sky_pixel(layers.sky, lane);
-    if (own.dull.sent_on() + own.gloss.sent_on() <= 0.0F) {
+    if (!own.lit()) {
         return;
     }
     SkyPixel sum;
@@ -120,6 +120,8 @@ void find_around(const Image &image, int x, int y, const Layers &layers, std::si
         for (int i = std::max(x - 1, 0); i <= std::min(x + 1, image.width - 1); ++i) {
             const SkyPixel &other = image.sky[image.at(i, j)];
             if (is_one_surface(own, layers.distance[lane], other, image.distance[image.at(i, j)])) {
+                add(1.0F, other.dull, sum.dull);
+                add(1.0F, other.gloss, sum.gloss);
                 add_found(1.0F, other.dull, sum.dull);
                 add_found(1.0F, other.gloss, sum.gloss);
             }
@@ -130,6 +132,12 @@ void find_around(const Image &image, int x, int y, const Layers &layers, std::si
             const std::array<float, 3> found = found_by(*around);
             for (std::size_t c = 0; c < 3; ++c) {
                 values[c] += part->weight[c] * (found[c] - part->found[c]);
+            }
+        }
+        if (around->all[0] > 0.0F) {
+            const std::array<float, 3> open = share_of(*around), looked = share_of(*part);
+            for (std::size_t c = 0; c < 3; ++c) {
+                values[c] += part->light[c] * (open[c] - looked[c]);
             }
         }
     }
@@ -169,6 +177,9 @@ void put_looks_together(Image &image) {
             put(sky.gloss, shares[pixel].gloss, shares[pixel].found_gloss);
             sky.dull.found = shares[pixel].found_dull;
             sky.gloss.found = shares[pixel].found_gloss;
+            sky.dull.all = sky.gloss.all = {1.0F, 1.0F, 1.0F};
+            sky.dull.seen = shares[pixel].dull;
+            sky.gloss.seen = shares[pixel].gloss;
         }
     });
 }

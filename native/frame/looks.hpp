@@ -14,8 +14,8 @@ SkyPixel sky_pixel(const SkyLayers &layers, std::size_t lane);
 // After the first look at all pixels.
 void put_looks_together(Image &image);
 
-// What a sample in a pixel has of other surfaces, with what the pixels around it have found of that where they see the
-// same surface.
+// What a sample in a pixel has of a sky and of other surfaces, with what the pixels around it have found of that where
+// they see the same surface.
 void find_around(const Image &image, int x, int y, const Layers &layers, std::size_t lane, Image::Sample &values);
 
 } // namespace sfumato

@@ -274,7 +274,7 @@ std::vector<std::uint8_t> changing(std::span<const Unsure> unsure) {
 // Samples the pixels in which surfaces or their shadows change, but not those that are blurred, of which there may be
 // none. False if progress said stop.
 bool refine(const Tracer &tracer, const Film &film, double done, double share, const Progress &progress,
-            std::span<const Unsure> unsure, std::span<const std::uint8_t> blurred, Image &image) {
+            std::span<const Unsure> unsure, std::span<const std::uint16_t> blurred, Image &image) {
     const auto patterns_of = [&film](int count) {
         Patterns patterns;
         for (int turn = 0; turn < FILM_TURNS; ++turn) {
@@ -343,21 +343,23 @@ std::optional<Image> traced(const Tracer &tracer, const Blur &blur, int width, i
         put_looks_together(image);
     }
     const std::vector<Unsure> unsure = unsure_pixels(film, image);
-    const std::vector<std::uint8_t> blurred = blur.empty()
-                                                  ? std::vector<std::uint8_t>()
-                                                  : blurred_pixels(tracer, blur, film, image, looked, changing(unsure));
+    const std::vector<std::uint16_t> blurred =
+        blur.empty() ? std::vector<std::uint16_t>()
+                     : blurred_pixels(tracer, blur, film, image, looked, changing(unsure));
     if (!refine(tracer, film, first, second, progress, unsure, blurred, image)) {
         return std::nullopt;
     }
+    if (blur.empty()) {
+        return image;
+    }
     constexpr int STRIPS = 16; // at least, in a chunk
-    const int strips = blur.empty() ? 0 : (height + TILE - 1) / TILE;
-    const auto refine_strip = [&](int strip) {
-        refine_blurred(tracer, blur, film, blurred, strip * TILE, std::min((strip + 1) * TILE, height), image);
-    };
-    if (!in_chunks(strips, std::max(strips / STRIPS, 1), first + second, 1.0 - first - second, progress,
-                   refine_strip)) {
+    const int strips = (height + TILE - 1) / TILE;
+    Blurring blurring(tracer, blur, film, blurred, image);
+    const auto sample = [&](int strip) { blurring.sample(strip * TILE, std::min((strip + 1) * TILE, height)); };
+    if (!in_chunks(strips, std::max(strips / STRIPS, 1), first + second, 1.0 - first - second, progress, sample)) {
         return std::nullopt;
     }
+    blurring.finish(image);
     return image;
 }
 

@@ -51,7 +51,7 @@ inline Real visibility(const RayScene &solids, const vec3 &point, const Towards 
         return 1.0F;
     }
     typename Rays<LANES>::Ray rays;
-    set_rays(rays, point, towards.direction, 0.0F, towards.distance);
+    set_rays(rays, solids, point, towards.direction, 0.0F, towards.distance);
     alignas(64) int valid[LANES];
     valid_lanes(asked, valid);
     Rays<LANES>::occluded(valid, solids.scene, !solids.instanced, rays);
@@ -432,7 +432,7 @@ inline PastSolids sky_past_solids(const FrameView &frame, const Packet &packet, 
             }
         }
     };
-    const std::size_t looks = std::max<std::size_t>(light.samples.size() / 4, 1);
+    const std::size_t looks = std::clamp<std::size_t>(light.samples.size() / 4, 1, packet.sky_looks);
     for (const ShadowSample &sample : packet.shadows) {
         const Real u = Real::load_aligned(sample.u), v = Real::load_aligned(sample.v);
         add(beside(surface, start, ray_through(frame, u, v)), Real::load_aligned(sample.light_u),

@@ -37,6 +37,7 @@ Exposure make_exposure(const std::vector<Camera> &cameras, float radius, float f
     out.cameras = cameras;
     out.lens = {radius, focus, near, blades, rotation, ratio};
     out.shutter = shutter;
+    out.moves = true;
     return out;
 }
 

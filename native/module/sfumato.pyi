@@ -97,7 +97,7 @@ class Frame:
         """Whether the camera sees any particles."""
     def passes(
         self,
-        camera: Exposure,
+        camera: Exposure | Camera,
         width: int,
         height: int,
         names: Sequence[str],
@@ -122,7 +122,7 @@ class Frame:
         """
     def render(
         self,
-        camera: Exposure,
+        camera: Exposure | Camera,
         width: int,
         height: int,
         edge_samples: int = 16,
@@ -326,6 +326,7 @@ class Mesh:
         material: ArrayLike | None = None,
         tangents: ArrayLike | None = None,
         channels: ArrayLike | None = None,
+        moving: ArrayLike = (),
     ) -> None: ...
     @property
     def triangles(self) -> int:
@@ -490,6 +491,7 @@ class Scene:
         translucence: ArrayLike | None = None,
         sheen: ArrayLike | None = None,
         lamp: bool = False,
+        moving: ArrayLike = (),
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
         world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of
@@ -501,8 +503,9 @@ class Scene:
         leaves diffusely on this one. sheen (k, 5), what fibres add: a colour; 5 for Burley's (2012), 6 for
         Ashikhmin's velvet (2000), 7 for Zeltner, Burley and Chiang's (2022), of which all that comes leaves in
         the end where the colour is white; and a roughness in [0, 1]. lamp: what it emits is among the lights,
-        too, so light that goes between surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh
-        does, and for too few rows.
+        too, so light that goes between surfaces (set_bounces) leaves it to these. moving: places as to_world has
+        them, at even times while the shutter of an Exposure is open, an odd number of them. Raises ValueError as
+        add_mesh does, and for too few rows.
         """
     def add_medium(
         self,

@@ -21,6 +21,15 @@ Camera Exposure::at(float time) const {
     return out;
 }
 
+float Exposure::when(float share) const {
+    if (shutter.size() < 2) {
+        return share;
+    }
+    const float place = share * static_cast<float>(shutter.size() - 1);
+    const std::size_t from = std::min(static_cast<std::size_t>(place), shutter.size() - 2);
+    return glm::mix(shutter[from], shutter[from + 1], place - static_cast<float>(from));
+}
+
 // A ray through the lens meets the one through its middle where all is sharp, so it passes every other plane beside
 // that by the same in every pixel.
 Camera through(const Camera &camera, const Lens &lens, float x, float y) {

@@ -22,6 +22,7 @@ struct Lens {
 struct Exposure {
     std::vector<Camera> cameras; // at even times from the shutter's opening to its closing; one that does not move
     Lens lens;
+    bool moves = false; // whether things that move do while it is open; else they stand as halfway through
     // When, as shares of that time, the light has come in to a share of 0 .. 1, at even shares; none: evenly.
     std::vector<float> shutter;
 
@@ -31,8 +32,10 @@ struct Exposure {
     // Halfway through, without a lens.
     [[nodiscard]] Camera middle() const { return at(0.5F); }
     [[nodiscard]] Camera at(float time) const;
+    // When that share of the light has come in.
+    [[nodiscard]] float when(float share) const;
     // Whether all is seen from one place at one time.
-    [[nodiscard]] bool sharp() const { return cameras.size() == 1 && lens.radius == 0.0F; }
+    [[nodiscard]] bool sharp() const { return cameras.size() == 1 && lens.radius == 0.0F && !moves; }
 };
 
 // The pinhole camera at (x, y) of a lens, in radii to the right and up.

@@ -74,7 +74,7 @@ def test_a_point_becomes_the_circle_of_confusion(distance: float) -> None:
     own = spread(sharp)
     for found, point in zip(spread(seen), own):
         # An even disk of radius r has the variance r^2 / 4 along each axis.
-        assert np.sqrt(found**2 - point**2) == pytest.approx(circle / 2.0, rel=0.03)
+        assert np.sqrt(found**2 - point**2) == pytest.approx(circle / 2.0, rel=0.06)
     assert seen[..., :3].sum() == pytest.approx(sharp[..., :3].sum(), rel=0.01)
 
 
@@ -90,10 +90,21 @@ def test_an_aperture_of_four_blades_is_a_square() -> None:
     own = spread(picture(frame, Camera(matrix())))[0]
     found = spread(np.repeat(seen[..., None], 3, axis=2))[0]
     assert np.sqrt(found**2 - own**2) == pytest.approx(circle / np.sqrt(6.0), rel=0.03)
-    inside = seen > 0.5 * seen.max()
-    rows, columns = np.nonzero(inside)
-    box = (rows.max() - rows.min() + 1) * (columns.max() - columns.min() + 1)
-    assert inside.sum() > 0.9 * box  # of a circle .79
+
+
+def test_an_aperture_of_three_blades_points_to_one_side() -> None:
+    """Behind the focus it is seen as it stands: a triangle with a corner on the right leans there, by its third moment."""
+    frame = glowing(8.0, 0.25)
+    aperture: dict[str, Any] = {"lens_radius": 1.0, "focus": 4.0, "near": NEAR, "blades": 3}
+    seen = picture(frame, Exposure([Camera(matrix())], **aperture), 256)[..., 1]
+    at = np.arange(SIZE) - (SIZE - 1) / 2.0
+    along, across = seen.sum(axis=0) / seen.sum(), seen.sum(axis=1) / seen.sum()
+    corners = pixels_a_metre(8.0) * np.array([1.0, -0.5, -0.5])
+    weights = np.random.default_rng(1).dirichlet((1.0, 1.0, 1.0), 100_000)
+    expected = np.mean((weights @ corners) ** 3)
+    found = [float((share * (at - (share * at).sum()) ** 3).sum()) for share in (along, across)]
+    assert abs(found[0]) == pytest.approx(expected, rel=0.15)
+    assert abs(found[1]) < 0.15 * expected
 
 
 def test_a_squeezed_aperture_is_narrower() -> None:
@@ -188,3 +199,84 @@ def test_what_cannot_be_is_named(changed: dict[str, Any], says: str) -> None:
         Exposure([Camera(matrix())], **changed)
     with pytest.raises(ValueError, match="cameras is empty"):
         Exposure([])
+
+
+def moved(x: float) -> np.ndarray:
+    out = np.eye(4)
+    out[0, 3] = x
+    return out
+
+
+def lit_scene(place: np.ndarray, moving: list[np.ndarray], deforms: bool = False) -> Frame:
+    """A square above a floor, whose shadow falls there, and behind it smoke."""
+    scene = Scene()
+    square = np.array([[-0.4, -0.4, -3.0], [0.4, -0.4, -3.0], [0.4, 0.4, -3.0], [-0.4, 0.4, -3.0]])
+    if deforms:
+        changed = [square + matrix[:3, 3] for matrix in moving]
+        scene.add_instances(Mesh(square, [[0, 1, 2], [0, 2, 3]], moving=changed), np.eye(4), albedo=[[0.8, 0.4, 0.2]])
+    else:
+        mesh = Mesh(square, [[0, 1, 2], [0, 2, 3]])
+        scene.add_instances(mesh, place, albedo=[[0.8, 0.4, 0.2]], moving=moving)
+    add_square(scene, 4.0, 3.0, diffuse=[[0, 0]])
+    floor = [[-3, -3, -4.0], [3, -3, -4.0], [3, 3, -4.0], [-3, 3, -4.0]]
+    scene.add_instances(Mesh(floor, [[0, 1, 2], [0, 2, 3]]), np.diag([1, 1, 0.999, 1]), albedo=[[0.5, 0.5, 0.5]])
+    scene.add_sun((0.3, 0.0, -1.0), (3.0, 3.0, 3.0))
+    return Frame(scene)
+
+
+@pytest.mark.parametrize("deforms", [False, True])
+def test_what_moves_is_the_mean_of_its_places_and_so_is_its_shadow(deforms: bool) -> None:
+    ends = [moved(-0.6), moved(0.0), moved(0.6)]
+    places = np.linspace(-0.6, 0.6, 65)
+    camera = Camera(matrix())
+    mean = np.mean([picture(lit_scene(moved(x), []), camera, 16) for x in (places[1:] + places[:-1]) / 2.0], axis=0)
+    frame = lit_scene(moved(0.0), ends, deforms)
+    seen = picture(frame, Exposure([camera]))
+    scale = np.sqrt(np.mean(mean**2))
+    assert np.sqrt(np.mean((seen - mean) ** 2)) / scale < 0.015
+    still = picture(frame, camera)
+    assert np.sqrt(np.mean((still - mean) ** 2)) / scale > 0.05
+    assert np.array_equal(frame.render(camera, SIZE, SIZE), lit_scene(moved(0.0), []).render(camera, SIZE, SIZE))
+
+
+def test_what_turns_is_shaded_as_it_stands_at_each_time() -> None:
+    """A square that turns a little about x, in a sun: its cosine is the mean of those on its way, not that of its middle
+    as it would be with normals that stay."""
+
+    def turned(angle: float) -> np.ndarray:
+        out = np.eye(4)
+        out[1:3, 1:3] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        out[2, 3] = -4.0
+        return out
+
+    square = Mesh([[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]], [[0, 1, 2], [0, 2, 3]])
+    scene = Scene()
+    angles = np.linspace(0.0, 1.0, 9)
+    way = [turned(angle) for angle in angles]
+    scene.add_instances(square, turned(0.5), albedo=[[0.8, 0.8, 0.8]], moving=way)
+    towards = np.array([0.0, np.sin(1.2), np.cos(1.2)])
+    scene.add_sun(tuple(-towards), (np.pi, np.pi, np.pi))
+    seen = picture(Frame(scene), Exposure([Camera(matrix())], shutter=[0.0, 0.25, 0.5, 0.75, 1.0]))[
+        SIZE // 2, SIZE // 2, 0
+    ]
+    middles = (np.arange(4096) + 0.5) / 4096
+    normals = np.array([[0.0, -np.sin(angle), np.cos(angle)] for angle in middles])
+    expected = 0.8 * np.mean(np.maximum(normals @ towards, 0.0))
+    assert seen == pytest.approx(expected, rel=0.01)
+    assert 0.8 * max(np.cos(1.2 + 0.5), 0.0) != pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("moving", "says"),
+    [
+        ([np.eye(4)], "moving has 1 times"),
+        ([np.eye(4)] * 4, "moving has 4 times"),
+        ([np.stack([np.eye(4)] * 2)] * 3, "moving has 2 places at one time, but there are 1"),
+    ],
+)
+def test_times_that_cannot_be_are_named(moving: list[np.ndarray], says: str) -> None:
+    square = Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0]], [[0, 1, 2]])
+    with pytest.raises(ValueError, match=says):
+        Scene().add_instances(square, np.eye(4), albedo=[[0.8, 0.8, 0.8]], moving=moving)
+    with pytest.raises(ValueError, match="moving has shape"):
+        Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0]], [[0, 1, 2]], moving=[[[0, 0, 0]]] * 3)
