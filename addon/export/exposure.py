@@ -76,7 +76,7 @@ def shutter_of(depsgraph: Any) -> Shutter | None:
     if not (render.use_motion_blur and getattr(layer, "use_motion_blur", True)):
         return None
     width = render.motion_blur_shutter
-    position: str = getattr(render, "motion_blur_position", None) or getattr(cycles, "motion_blur_position", "CENTER")
+    position: str = getattr(render, "motion_blur_position", "") or getattr(cycles, "motion_blur_position", "CENTER")
     now = scene.frame_current_final
     opens = now - {"START": 0.0, "CENTER": 0.5, "END": 1.0}[position] * width
     return Shutter(opens, opens + width, _arrivals(render.motion_blur_shutter_curve))
@@ -232,7 +232,7 @@ def said(still: dict[str, str]) -> list[str]:
 def over_times(go_to: Callable[[int, float], None], shutter: Shutter, count: int, look: Callable[[], Any]) -> list[Any]:
     """What look() finds at so many times from the shutter's opening to its closing, with the scene gone to each; it is at
     the middle afterwards."""
-    found: list[Any] = []
+    found: list[tuple[int, Any]] = []
     middle = count // 2  # comes last
     times = shutter.times(count)
     for number in [*(each for each in range(count) if each != middle), middle]:
