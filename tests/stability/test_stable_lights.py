@@ -15,16 +15,12 @@ every_method = pytest.mark.parametrize("method", bench_microfacet.METHODS)
 
 @every_method
 def test_a_lamp_sets_behind_a_surface_seen_at_grazing_angle(method: str) -> None:
-    judge(
-        failures.off_while_it_sets(method)[0], 0.008, {"ltc": 0.283, "mrp": 4.84, "montecarlo-64": 0.293}.get(method)
-    )
+    judge(failures.off_while_it_sets(method)[0], 0.008, {"ltc": 0.283, "mrp": 4.84, "montecarlo-64": 0.293}.get(method))
 
 
 @every_method
 def test_its_light_changes_evenly_meanwhile(method: str) -> None:
-    judge(
-        failures.off_while_it_sets(method)[1], 0.001, {"ltc": 0.0119, "mrp": 1.62, "montecarlo-64": 1.18}.get(method)
-    )
+    judge(failures.off_while_it_sets(method)[1], 0.001, {"ltc": 0.0119, "mrp": 1.62, "montecarlo-64": 1.18}.get(method))
 
 
 @every_method
