@@ -22,7 +22,7 @@ WAYS: dict[str, dict[str, Any]] = {
     "learned": {"basis": "learned", "coefficients": 9},
     "curve": {"basis": "curve"},
 }
-PREVIEW = {"texels_per_cell": 2.0, "steps_per_cell": 1.0, "light_samples": 16}
+PREVIEW: dict[str, Any] = {"texels_per_cell": 2.0, "steps_per_cell": 1.0, "light_samples": 16}
 WIDTH, HEIGHT = 96, 72
 
 
@@ -171,15 +171,15 @@ def dense_cells(depth: float, edges: str) -> float:
         density[:] = revolved(16)
     else:
         density[2:-2, 2:-2, 2:-2] = 1.0
-    eye, size, pictures = camera((0.5, -3.2, 2.6), (0, 0, 1.0), 24, 18), (24, 18), []
+    eye, size = camera((0.5, -3.2, 2.6), (0, 0, 1.0), 24, 18), (24, 18)
     scene = Scene()
     add_smoke(scene, density, cube(16, 1.6, (0, 0, 0.2)), depth / 0.1)
     scene.add_sun((0.4, 0.5, -1.0), (4, 4, 4))
     step = min(0.02, 0.02 / depth)
     truth = np.asarray(sfumato.reference.render(scene, eye, *size, sun_samples_per_axis=1, step=step))
-    pictures = pixels(frame(scene).render(eye, *size, 1)), truth[..., :3]
+    seen = pixels(frame(scene).render(eye, *size, 1))
     smoke = truth[..., 3] > 0.5
-    return rms((pictures[0] - pictures[1])[smoke]) / float(pictures[1][smoke].mean())
+    return rms((seen - truth[..., :3])[smoke]) / float(truth[smoke][:, :3].mean())
 
 
 def far_away(metres: float, told: bool) -> float:
@@ -268,7 +268,7 @@ def shadow_of_itself(kind: str, elevation: float) -> float:
     at = np.array([17.3, -41.1, 5.7])
     sun = axes @ [0.6 * np.cos(lift), 0.8 * np.cos(lift), np.sin(lift)]
     scene = Scene()
-    more = {} if kind == "solid" else {"transmittance": [[0.5, 0.5, 0.5]]}
+    more: dict[str, Any] = {} if kind == "solid" else {"transmittance": [[0.5, 0.5, 0.5]]}
     add_square(scene, np.array([[-3, -3, 0], [3, -3, 0], [3, 3, 0], [-3, 3, 0]]) @ axes.T + at, **more)
     scene.add_sun(-sun, [np.pi] * 3)
     eye = camera(at + axes @ (0.3, 0.2, 2.0), at)

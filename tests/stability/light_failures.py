@@ -90,8 +90,8 @@ def along_the_edge(shift: float) -> tuple[sfumato.Camera, Array]:
 def shafts_round_an_edge(shift: float, method: str) -> Array:
     """(rows, columns)"""
     camera, far = along_the_edge(shift)
-    air = {"mie": (0.05, 0.05, 0.05), "anisotropy": 0.5}
-    made = sfumato.shafts(far, camera, [room_map()[1]], [SUN], [(3, 3, 3)], method=method, **air)[0]
+    mie = (0.05, 0.05, 0.05)
+    made = sfumato.shafts(far, camera, [room_map()[1]], [SUN], [(3, 3, 3)], mie=mie, anisotropy=0.5, method=method)[0]
     return np.asarray(made[..., 1], float)
 
 
