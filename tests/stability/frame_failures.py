@@ -260,17 +260,23 @@ def leak_below_a_roof(height: float) -> float:
     return float(pictures[0].max() / pictures[1].max())
 
 
-def shadow_of_itself(kind: str, elevation: float) -> float:
+def shadow_of_itself(kind: str, elevation: float, above: float | None = None) -> float:
     """The largest error of a plate's light in a sun so many degrees above it, by the light. The plate is tilted, away
-    from the origin, opaque or half transparent."""
+    from the origin, opaque or half transparent. Where `above` is given, a plate that the camera does not see lies so
+    many metres above it, and any light at all is wrong."""
     turn, lift = np.radians((37.0, elevation))
     axes = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
     at = np.array([17.3, -41.1, 5.7])
     sun = axes @ [0.6 * np.cos(lift), 0.8 * np.cos(lift), np.sin(lift)]
     scene = Scene()
     more: dict[str, Any] = {} if kind == "solid" else {"transmittance": [[0.5, 0.5, 0.5]]}
-    add_square(scene, np.array([[-3, -3, 0], [3, -3, 0], [3, 3, 0], [-3, 3, 0]]) @ axes.T + at, **more)
+    corners = np.array([[-3, -3, 0], [3, -3, 0], [3, 3, 0], [-3, 3, 0]]) @ axes.T + at
+    add_square(scene, corners, **more)
+    if above is not None:
+        plate = sfumato.Mesh(corners + above * axes[:, 2], [[0, 1, 2], [0, 2, 3]])
+        scene.add_instances(plate, np.eye(4), [[0.8] * 3], visibility=sfumato.Visibility("unseen"))
     scene.add_sun(-sun, [np.pi] * 3)
     eye = camera(at + axes @ (0.3, 0.2, 2.0), at)
     seen = pixels(Frame(scene).render(eye, WIDTH, HEIGHT, 1))
-    return float(np.abs(seen / (0.8 * np.sin(lift)) - 1.0).max())
+    light = 0.0 if above is not None else 1.0
+    return float(np.abs(seen / (0.8 * np.sin(lift)) - light).max())

@@ -15,12 +15,12 @@ every_way = pytest.mark.parametrize("way", WAYS)
 @every_way
 def test_a_camera_goes_round_what_looks_the_same_from_all_sides(way: str) -> None:
     """EEVEE's change beside it: `tests/blender/interface/orbits.py`."""
-    judge(failures.orbit_of_the_camera(way), 0.001)
+    judge(failures.orbit_of_the_camera(way), 0.0005)
 
 
 @every_way
 def test_a_sun_goes_round_the_plume(way: str) -> None:
-    judge(failures.orbit_of_the_sun(way), 0.004)
+    judge(failures.orbit_of_the_sun(way), 0.0025)
 
 
 @every_way
@@ -36,7 +36,7 @@ def test_a_stray_wisp_widens_the_bounds(way: str) -> None:
 @every_way
 @pytest.mark.parametrize("where", ["cell", "corners", "line", "layer"])
 def test_smoke_one_cell_wide(where: str, way: str) -> None:
-    judge(failures.one_cell_wide(where, way), 0.02)
+    judge(failures.one_cell_wide(where, way), 0.02 if where == "layer" else 0.01)
 
 
 @pytest.mark.parametrize(
@@ -81,3 +81,10 @@ def test_light_stays_above_a_roof_in_smoke(height: float, known: float | None) -
 @pytest.mark.parametrize("elevation", [90.0, 30.0, 5.0, 1.0, 0.1])
 def test_a_plate_throws_no_shadow_on_itself(kind: str, elevation: float) -> None:
     judge(failures.shadow_of_itself(kind, elevation), 1e-4)
+
+
+@pytest.mark.parametrize("above, known", [(1e-4, 1.0), (3e-4, None), (1e-2, None)])
+@pytest.mark.parametrize("kind", ["solid", "sheet"])
+def test_what_lies_close_above_a_plate_throws_its_shadow(kind: str, above: float, known: float | None) -> None:
+    """45 m from the origin of the scene, where single precision is 4e-6 m."""
+    judge(failures.shadow_of_itself(kind, 30.0, above), 1e-4, known)
