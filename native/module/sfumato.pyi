@@ -97,7 +97,7 @@ class Frame:
         """Whether the camera sees any particles."""
     def passes(
         self,
-        camera: Exposure,
+        camera: Exposure | Camera,
         width: int,
         height: int,
         names: Sequence[str],
@@ -122,7 +122,7 @@ class Frame:
         """
     def render(
         self,
-        camera: Exposure,
+        camera: Exposure | Camera,
         width: int,
         height: int,
         edge_samples: int = 16,

@@ -46,6 +46,8 @@ def python_type(text: str, argument: bool) -> str:
         return f"Sequence[{python_type(inner, argument)}]"
     if text == "object":
         return "ArrayLike" if argument else "Any"
+    if text == "Exposure" and argument:
+        return "Exposure | Camera"  # which is one, by py::implicitly_convertible
     return {"list": "list[Any]", "tuple": "tuple[Any, ...]"}.get(text, text)
 
 
