@@ -138,7 +138,7 @@ def of(views: list[View], lens: dict[str, Any], origin: Matrix, shutter: Shutter
     cameras = [native.Camera(view.matrix(origin)) for view in finely(views)]
     if len(cameras) == 1 and not lens and shutter is None:
         return cameras[0]
-    return native.Exposure(cameras, **lens, shutter=list(shutter.curve) if shutter is not None else [])
+    return native.Exposure(cameras, **lens, shutter=shutter.curve if shutter is not None and shutter.curve else None)
 
 
 @dataclass(frozen=True)

@@ -461,7 +461,7 @@ def add_surfaces(
             lamp=bool(emitters) and None not in emitters,
             translucence=translucences(group.surfaces),
             sheen=sheens(group.surfaces),
-            moving=_moving(out, [group.places[number] for number in which], matrices)[:, usable],
+            moving=_moving(out, [group.places[number] for number in which], matrices, usable),
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")
@@ -479,13 +479,18 @@ def add_surfaces(
     return 0
 
 
-def _moving(out: Export, places: list[int], matrices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The matrices of places at times, (times, n, 4, 4); of places that stand still no times."""
+def _moving(
+    out: Export, places: list[int], matrices: NDArray[np.float64], usable: NDArray[np.bool_]
+) -> NDArray[np.float64] | None:
+    """The matrices of the usable places at times, (times, n, 4, 4); None where all stand still."""
     times = max((len(out.moving[place]) for place in places if place in out.moving), default=0)
     if times == 0:
-        return np.empty((0, len(places), 4, 4))
+        return None
     still = [matrices[place] for place in places]
-    return np.stack([at_times(out.moving.get(place, [matrix]), times) for place, matrix in zip(places, still)], axis=1)
+    all_places = np.stack(
+        [at_times(out.moving.get(place, [matrix]), times) for place, matrix in zip(places, still)], axis=1
+    )
+    return all_places[:, usable]
 
 
 def at_times(known: list[NDArray[np.float64]], count: int) -> NDArray[np.float64]:

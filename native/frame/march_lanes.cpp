@@ -101,9 +101,11 @@ struct Asked {
         const float *const volume = medium(m).light[static_cast<std::size_t>(i)];
         const auto channel = [&](int c) { return sample_of(m, volume, COLOURS + 1, place, c); };
         if constexpr (COLOURS == 1) {
-            return {channel(0), channel(1)};
+            const Real root = channel(0);
+            return {root * root, channel(1)};
         } else {
-            return {{channel(0), channel(1), channel(2)}, channel(3)};
+            const Real red = channel(0), green = channel(1), blue = channel(2);
+            return {{red * red, green * green, blue * blue}, channel(3)};
         }
     }
 

@@ -6,8 +6,8 @@
 #include "module/parts.hpp"
 
 #include <cmath>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include <pybind11/stl.h>
 
@@ -16,9 +16,16 @@ namespace {
 
 using namespace arguments;
 
-Exposure make_exposure(const std::vector<Camera> &cameras, float radius, float focus, float near, int blades,
-                       float rotation, float ratio, const std::vector<float> &shutter) {
-    if (cameras.empty()) {
+Exposure make_exposure(const py::list &cameras, float radius, float focus, float near, int blades, float rotation,
+                       float ratio, const std::optional<Floats> &shutter) {
+    Exposure out;
+    for (const py::handle &each : cameras) {
+        if (!py::isinstance<Camera>(each)) {
+            throw py::value_error("cameras holds " + told(each) + ", but must hold a Camera each");
+        }
+        out.cameras.push_back(each.cast<Camera>());
+    }
+    if (out.cameras.empty()) {
         throw py::value_error("cameras is empty, but a picture is taken from somewhere");
     }
     require_range(radius, 0.0F, 1e6F, "lens_radius");
@@ -27,16 +34,19 @@ Exposure make_exposure(const std::vector<Camera> &cameras, float radius, float f
     require_range(blades, 0, 1024, "blades");
     require_range(rotation, -1e6F, 1e6F, "rotation");
     require_range(ratio, 1e-3F, 1e3F, "ratio");
-    for (std::size_t i = 0; i < shutter.size(); ++i) {
-        require_range(shutter[i], i == 0 ? 0.0F : shutter[i - 1], 1.0F, "shutter[" + std::to_string(i) + "]");
+    if (shutter) {
+        require_shape(*shutter, {-1}, "shutter");
+        require_finite(*shutter, "shutter");
+        out.shutter.assign(shutter->data(), shutter->data() + shutter->size());
+        for (std::size_t i = 0; i < out.shutter.size(); ++i) {
+            require_range(out.shutter[i], i == 0 ? 0.0F : out.shutter[i - 1], 1.0F,
+                          "shutter[" + std::to_string(i) + "]");
+        }
+        if (out.shutter.size() == 1) {
+            throw py::value_error("shutter has 1 time, but needs 2 or more, or none");
+        }
     }
-    if (shutter.size() == 1) {
-        throw py::value_error("shutter has 1 time, but needs 2 or more, or none");
-    }
-    Exposure out;
-    out.cameras = cameras;
     out.lens = {radius, focus, near, blades, rotation, ratio};
-    out.shutter = shutter;
     out.moves = true;
     return out;
 }
@@ -60,10 +70,7 @@ Raises ValueError where one of these cannot be.
 )")
         .def(py::init(&make_exposure), py::arg("cameras"), py::arg("lens_radius") = Lens{}.radius,
              py::arg("focus") = Lens{}.focus, py::arg("near") = Lens{}.near, py::arg("blades") = Lens{}.blades,
-             py::arg("rotation") = Lens{}.rotation, py::arg("ratio") = Lens{}.ratio,
-             py::arg("shutter") = std::vector<float>())
-        .def(py::init<const Camera &>(), py::arg("camera"));
-    py::implicitly_convertible<Camera, Exposure>();
+             py::arg("rotation") = Lens{}.rotation, py::arg("ratio") = Lens{}.ratio, py::arg("shutter") = py::none());
 }
 
 } // namespace sfumato

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <variant>
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -87,12 +88,19 @@ py::object image_of(int width, int height, const Work &work) {
     return image ? py::object(to_numpy(std::move(*image), {height, width, 4})) : py::none();
 }
 
-py::object render(const Frame &frame, const Exposure &camera, int width, int height, int edge_samples,
+using CameraOrExposure = std::variant<Camera, Exposure>;
+
+Exposure exposure_of(const CameraOrExposure &taken) {
+    return std::visit([](const auto &each) { return Exposure(each); }, taken);
+}
+
+py::object render(const Frame &frame, const CameraOrExposure &camera, int width, int height, int edge_samples,
                   const PythonProgress &progress) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
-    return image_of(width, height,
-                    [&] { return frame.render(camera, width, height, edge_samples, reporting(progress)); });
+    return image_of(width, height, [&] {
+        return frame.render(exposure_of(camera), width, height, edge_samples, reporting(progress));
+    });
 }
 
 // Mist by name as Frame.passes has it: (start, depth, power).
@@ -108,7 +116,7 @@ Mist mist_of(const std::optional<Floats> &given, const Floats &eye, const Floats
     return mist;
 }
 
-py::object passes(const Frame &frame, const Exposure &camera, int width, int height,
+py::object passes(const Frame &frame, const CameraOrExposure &camera, int width, int height,
                   const std::vector<std::string> &names, int edge_samples, const PythonProgress &progress,
                   const std::optional<Floats> &mist, const Floats &eye, const Floats &axis, const std::string &filter,
                   float filter_width, float least_alpha) {
@@ -135,7 +143,8 @@ py::object passes(const Frame &frame, const Exposure &camera, int width, int hei
     std::optional<Image> image;
     {
         const py::gil_scoped_release unlocked;
-        image = frame.passes(camera, width, height, wanted, fading, least_alpha, film, reporting(progress));
+        image =
+            frame.passes(exposure_of(camera), width, height, wanted, fading, least_alpha, film, reporting(progress));
     }
     if (!image) {
         return py::none();

@@ -143,13 +143,13 @@ std::string wanted(const Parameter &parameter, py::handle value) {
         return {};
     }
     std::string words;
-    if (const auto start = type.find(OWN); start != std::string_view::npos) {
+    for (auto start = type.find(OWN); start != std::string_view::npos; start = type.find(OWN, start + 1)) {
         const std::string_view rest = type.substr(start + OWN.size());
         const std::string kind(rest.substr(0, rest.find_first_not_of(LETTERS)));
         if (py::str(py::type::handle_of(value).attr("__name__")).equal(py::str(kind))) {
             return {};
         }
-        words = "a " + kind;
+        words += (words.empty() ? "a " : " or a ") + kind;
     }
     for (const Kind &kind : KINDS) {
         if (!says(kind.marker)) {

@@ -40,7 +40,7 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
                    const std::optional<Doubles> &material_index, const std::optional<Visibility> &visibility,
                    const std::optional<Floats> &transmittance, const py::list &patterns,
                    const std::optional<Floats> &values, const std::optional<Floats> &translucence,
-                   const std::optional<Floats> &sheen, bool lamp, const py::sequence &moving) {
+                   const std::optional<Floats> &sheen, bool lamp, const std::optional<Doubles> &moving) {
     Instances out;
     out.lamp = lamp;
     out.visibility = visibility.value_or(Visibility{});
@@ -485,7 +485,7 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
              py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
              py::arg("visibility") = py::none(), py::arg("transmittance") = py::none(),
              py::arg("patterns") = py::list(), py::arg("values") = py::none(), py::arg("translucence") = py::none(),
-             py::arg("sheen") = py::none(), py::arg("lamp") = false, py::arg("moving") = py::tuple(),
+             py::arg("sheen") = py::none(), py::arg("lamp") = false, py::arg("moving") = py::none(),
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
 world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of add_mesh, a row for
 each material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes

@@ -135,9 +135,9 @@ std::vector<std::uint32_t> any_indices(const py::array &array, py::ssize_t count
 }
 
 // Of what moves the middle is one of the times.
-void require_odd(const py::sequence &moving) {
-    if (moving.size() > 0 && (moving.size() < 3 || moving.size() % 2 == 0)) {
-        throw py::value_error("moving has " + text(moving.size()) + " times, but must have an odd number, 3 or more");
+void require_odd(py::ssize_t times) {
+    if (times > 0 && (times < 3 || times % 2 == 0)) {
+        throw py::value_error("moving has " + text(times) + " times, but must have an odd number, 3 or more");
     }
 }
 
@@ -168,7 +168,7 @@ py::bytes content_hash(const py::args &arrays) {
 CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_given,
                          const std::optional<Floats> &normals, const std::optional<py::object> &material_given,
                          const std::optional<Floats> &tangents, const std::optional<Floats> &channels,
-                         const py::sequence &moving) {
+                         const std::optional<Floats> &moving) {
     const py::array triangles = any_array(triangles_given, "triangles");
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
@@ -176,12 +176,16 @@ CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_giv
     const py::ssize_t count = triangles.shape(0);
     auto shape = std::make_shared<Shape>();
     vectors(vertices, shape->vertices);
-    require_odd(moving);
-    for (const py::handle &time : moving) {
-        const auto given = py::cast<Floats>(time);
-        require_shape(given, {vertices.shape(0), 3}, "moving");
-        require_finite(given, "moving");
-        vectors(given, shape->moving.emplace_back());
+    if (moving) {
+        require_shape(*moving, {-1, vertices.shape(0), 3}, "moving");
+        require_finite(*moving, "moving");
+        require_odd(moving->shape(0));
+        shape->moving.resize(static_cast<std::size_t>(moving->shape(0)));
+        const auto *first = reinterpret_cast<const glm::vec3 *>(moving->data());
+        for (std::vector<glm::vec3> &time : shape->moving) {
+            time.assign(first, first + vertices.shape(0));
+            first += vertices.shape(0);
+        }
     }
     const std::vector<std::uint32_t> all = any_indices(triangles, vertices.shape(0), "triangles");
     const auto *first = reinterpret_cast<const glm::uvec3 *>(all.data());
@@ -225,14 +229,15 @@ CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_giv
     return mesh;
 }
 
-std::vector<std::vector<glm::mat4>> moving_places(const py::sequence &moving, std::size_t count) {
-    require_odd(moving);
+std::vector<std::vector<glm::mat4>> moving_places(const std::optional<Doubles> &moving, std::size_t count) {
     std::vector<std::vector<glm::mat4>> out;
-    for (const py::handle &time : moving) {
-        out.push_back(places(py::cast<Doubles>(time)));
-        if (out.back().size() != count) {
-            throw py::value_error("moving has " + text(out.back().size()) + " places at one time, but there are " +
-                                  text(count));
+    if (moving) {
+        require_shape(*moving, {-1, static_cast<py::ssize_t>(count), 4, 4}, "moving");
+        require_odd(moving->shape(0));
+        Doubles all = *moving;
+        const std::vector<glm::mat4> matrices = places(Doubles(all.reshape(std::vector<py::ssize_t>{-1, 4, 4})));
+        for (auto first = matrices.begin(); first != matrices.end(); first += static_cast<std::ptrdiff_t>(count)) {
+            out.emplace_back(first, first + static_cast<std::ptrdiff_t>(count));
         }
     }
     return out;
@@ -407,7 +412,7 @@ is built twice. Raises ValueError for wrong shapes, indices out of range and val
 )")
         .def(py::init(&checked_mesh), py::arg("vertices"), py::arg("triangles"), py::arg("normals") = py::none(),
              py::arg("material") = py::none(), py::arg("tangents") = py::none(), py::arg("channels") = py::none(),
-             py::arg("moving") = py::tuple())
+             py::arg("moving") = py::none())
         .def_property_readonly(
             "triangles", [](const CheckedMesh &mesh) { return mesh.shape->triangles.size(); }, "How many there are.");
     m.def(

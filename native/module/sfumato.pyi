@@ -19,16 +19,15 @@ class Exposure:
 
     def __init__(
         self,
-        cameras: Sequence[Camera],
+        cameras: list[Any],
         lens_radius: float = 0.0,
         focus: float = 1.0,
         near: float = 0.0,
         blades: int = 0,
         rotation: float = 0.0,
         ratio: float = 1.0,
-        shutter: Sequence[float] = [],
-    ) -> None:
-        """2. __init__(self: sfumato.Exposure, camera: sfumato.Camera) -> None"""
+        shutter: ArrayLike | None = None,
+    ) -> None: ...
 
 class Frame:
     """Everything about a scene that does not depend on the camera, computed once."""
@@ -97,7 +96,7 @@ class Frame:
         """Whether the camera sees any particles."""
     def passes(
         self,
-        camera: Exposure | Camera,
+        camera: Camera | Exposure,
         width: int,
         height: int,
         names: Sequence[str],
@@ -122,7 +121,7 @@ class Frame:
         """
     def render(
         self,
-        camera: Exposure | Camera,
+        camera: Camera | Exposure,
         width: int,
         height: int,
         edge_samples: int = 16,
@@ -300,8 +299,8 @@ class LitMedium:
         """(4, 4): from cells to metres in world space."""
     @property
     def light(self) -> NDArray[numpy.float32]:
-        """(lights, nz, ny, nx, c): the optical depth towards each light, in the one colour of grey smoke or in
-        three, and the share of the light's falloff that passes solids and the edges of its cone. A copy.
+        """(lights, nz, ny, nx, c): the root of the optical depth towards each light, in the one colour of grey smoke
+        or in three, and the share of the light's falloff that passes solids and the edges of its cone. A copy.
         """
     @property
     def ramp(self) -> NDArray[numpy.float32]:
@@ -326,7 +325,7 @@ class Mesh:
         material: ArrayLike | None = None,
         tangents: ArrayLike | None = None,
         channels: ArrayLike | None = None,
-        moving: ArrayLike = (),
+        moving: ArrayLike | None = None,
     ) -> None: ...
     @property
     def triangles(self) -> int:
@@ -491,7 +490,7 @@ class Scene:
         translucence: ArrayLike | None = None,
         sheen: ArrayLike | None = None,
         lamp: bool = False,
-        moving: ArrayLike = (),
+        moving: ArrayLike | None = None,
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
         world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of

@@ -63,7 +63,8 @@ Arriving light_at(int medium, vec3 place, int light)
 {
   vec4 volume = light_in_volume(medium, place, float(light), view.screen.z, grid_size(medium).z);
   Arriving arriving;
-  arriving.depth = OF_COLOURS(volume);
+  arriving.depth = OF_COLOURS(volume);  // its root
+  arriving.depth *= arriving.depth;
   arriving.share = SHARE_OF(volume);
   return arriving;
 }

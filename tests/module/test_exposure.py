@@ -216,7 +216,7 @@ def lit_scene(place: np.ndarray, moving: list[np.ndarray], deforms: bool = False
         scene.add_instances(Mesh(square, [[0, 1, 2], [0, 2, 3]], moving=changed), np.eye(4), albedo=[[0.8, 0.4, 0.2]])
     else:
         mesh = Mesh(square, [[0, 1, 2], [0, 2, 3]])
-        scene.add_instances(mesh, place, albedo=[[0.8, 0.4, 0.2]], moving=moving)
+        scene.add_instances(mesh, place, albedo=[[0.8, 0.4, 0.2]], moving=[[each] for each in moving] or None)
     add_square(scene, 4.0, 3.0, diffuse=[[0, 0]])
     floor = [[-3, -3, -4.0], [3, -3, -4.0], [3, 3, -4.0], [-3, 3, -4.0]]
     scene.add_instances(Mesh(floor, [[0, 1, 2], [0, 2, 3]]), np.diag([1, 1, 0.999, 1]), albedo=[[0.5, 0.5, 0.5]])
@@ -253,7 +253,7 @@ def test_what_turns_is_shaded_as_it_stands_at_each_time() -> None:
     scene = Scene()
     angles = np.linspace(0.0, 1.0, 9)
     way = [turned(angle) for angle in angles]
-    scene.add_instances(square, turned(0.5), albedo=[[0.8, 0.8, 0.8]], moving=way)
+    scene.add_instances(square, turned(0.5), albedo=[[0.8, 0.8, 0.8]], moving=[[each] for each in way])
     towards = np.array([0.0, np.sin(1.2), np.cos(1.2)])
     scene.add_sun(tuple(-towards), (np.pi, np.pi, np.pi))
     seen = picture(Frame(scene), Exposure([Camera(matrix())], shutter=[0.0, 0.25, 0.5, 0.75, 1.0]))[
@@ -269,12 +269,12 @@ def test_what_turns_is_shaded_as_it_stands_at_each_time() -> None:
 @pytest.mark.parametrize(
     ("moving", "says"),
     [
-        ([np.eye(4)], "moving has 1 times"),
-        ([np.eye(4)] * 4, "moving has 4 times"),
-        ([np.stack([np.eye(4)] * 2)] * 3, "moving has 2 places at one time, but there are 1"),
+        ([[np.eye(4)]], "moving has 1 times"),
+        ([[np.eye(4)]] * 4, "moving has 4 times"),
+        ([[np.eye(4)] * 2] * 3, r"moving has shape \(3, 2, 4, 4\)"),
     ],
 )
-def test_times_that_cannot_be_are_named(moving: list[np.ndarray], says: str) -> None:
+def test_times_that_cannot_be_are_named(moving: list[list[np.ndarray]], says: str) -> None:
     square = Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0]], [[0, 1, 2]])
     with pytest.raises(ValueError, match=says):
         Scene().add_instances(square, np.eye(4), albedo=[[0.8, 0.8, 0.8]], moving=moving)

@@ -42,6 +42,7 @@ VALUES: dict[str, Any] = {
     "view_projection": np.eye(4),
     "scene": scene(),
     "camera": sfumato.Camera(np.eye(4)),
+    "cameras": [sfumato.Camera(np.eye(4))],
     "width": 2,
     "height": 2,
     "points": [0, 0, 0],
