@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench import growth, light_remarks, seconds_at_error, table
+from bench import growth, light_remarks, table
 from airlight_rivals import Table, march
 from bench_denoised import remarks, series
 from bench_preintegration import said
-from bench_rows import CostRow, LightRow, RampRow, RayRow, Row
+from bench_rows import CostRow, LightRow, RampRow, RayRow, Row, seconds_at_error
 from bench_versions import changes, rows_of, worst
 from blender_run import ROOT, run_script
 
