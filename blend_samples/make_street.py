@@ -60,15 +60,15 @@ def sky_colours(width: int = 1024) -> Array:
     x, y, z = np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up) + 0.0 * around
     towards = np.clip(x * SUN.x + y * SUN.y + z * SUN.z, -1.0, 1.0)
     high = np.clip(z, 0.0, 1.0)[..., None] ** 0.45
-    rgb = (1.0 - high) * np.array((0.95, 0.80, 0.66)) + high * np.array((0.17, 0.34, 0.68))
+    rgb = (1.0 - high) * np.array((0.62, 0.50, 0.40)) + high * np.array((0.07, 0.17, 0.42))
     glow = np.exp(-(np.arccos(towards)[..., None] / np.array((0.55, 0.45, 0.38))))
-    rgb = rgb + glow * np.array((1.1, 0.8, 0.5))
+    rgb = rgb + glow * np.array((0.9, 0.6, 0.33))
     cloud = np.clip((noise(rng, height, width, 6, 6) - 0.50) / 0.16, 0.0, 1.0) * np.clip(z / 0.25, 0.0, 1.0)
     cloud = (0.85 * cloud**1.5)[..., None]
-    rgb = (1.0 - cloud) * rgb + cloud * (np.array((0.85, 0.83, 0.84)) + 1.2 * glow)
+    rgb = (1.0 - cloud) * rgb + cloud * (np.array((0.62, 0.58, 0.57)) + 1.0 * glow)
     roofs = 0.03 + 0.05 * np.repeat(rng.random(width // 16), 16)[None] + 0.0 * z
     town = np.clip((roofs - z) / 0.01, 0.0, 1.0)[..., None]
-    rgb = (1.0 - town) * rgb + town * (np.array((0.32, 0.31, 0.33)) + 0.25 * glow)
+    rgb = (1.0 - town) * rgb + town * (np.array((0.24, 0.22, 0.23)) + 0.2 * glow)
     ground = np.clip(-z / 0.03, 0.0, 1.0)[..., None]
     rgb = (1.0 - ground) * rgb + ground * np.array((0.14, 0.13, 0.12))
     return np.where((towards > math.cos(math.radians(0.5)))[..., None], np.array((16000.0, 12500.0, 9000.0)), rgb)
@@ -135,10 +135,11 @@ def asphalt() -> bpy.types.Material:
 
 
 def bricks(name: str, first: make.Colour, second: make.Colour, mortar: make.Colour) -> bpy.types.Material:
-    """On a wall along y: rows of its z."""
+    """On walls along x and y: rows of their z."""
     graph = Graph(name)
     split = graph.node("SeparateXYZ", {"Vector": graph.node("TexCoord").outputs["Object"]})
-    where = graph.node("CombineXYZ", {"X": split.outputs["Y"], "Y": split.outputs["Z"]})
+    along = graph.node("Math", {0: split.outputs["X"], 1: split.outputs["Y"]}, operation="ADD")
+    where = graph.node("CombineXYZ", {"X": along.outputs[0], "Y": split.outputs["Z"]})
     brick = graph.node("TexBrick", {"Vector": where.outputs[0], "Color1": (*first, 1.0), "Color2": (*second, 1.0),
                                     "Mortar": (*mortar, 1.0), "Scale": 2.2, "Mortar Size": 0.012})  # fmt: skip
     stains = graph.node("TexNoise", {"Vector": where.outputs[0], "Scale": 0.9, "Detail": 4.0})
@@ -226,22 +227,22 @@ def green() -> None:
     bark, card = make.material("Bark", (0.13, 0.09, 0.06)), spray()
     limb("Trunk", (4.3, 8.0, 0.0), (4.2, 8.1, 2.9), 0.2, bark)
     crowns: list[tuple[make.Colour, make.Colour, int]] = [
-        ((4.1, 8.2, 4.4), (1.7, 1.7, 1.3), 420),
-        ((3.0, 7.5, 3.7), (1.1, 1.1, 0.8), 160),
-        ((5.3, 8.6, 3.8), (1.2, 1.2, 0.9), 180),
-        ((4.4, 8.3, 5.7), (1.1, 1.1, 0.8), 160),
+        ((4.1, 8.2, 4.4), (1.7, 1.7, 1.3), 210),
+        ((3.0, 7.5, 3.7), (1.1, 1.1, 0.8), 80),
+        ((5.3, 8.6, 3.8), (1.2, 1.2, 0.9), 90),
+        ((4.4, 8.3, 5.7), (1.1, 1.1, 0.8), 80),
     ]
     for number, (middle, _, _) in enumerate(crowns):
         limb(f"Limb {number + 1}", (4.2, 8.1, 2.7), middle, 0.1, bark)
     parts = [cloud_of(rng, *crown) for crown in crowns]
-    leaves("Crown", *(np.concatenate(each) for each in zip(*parts)), 0.75, card)
-    count = 900
+    leaves("Crown", *(np.concatenate(each) for each in zip(*parts)), 1.0, card)
+    count = 420
     places = np.array((5.6, -1.0, 0.2)) + np.array((0.8, 13.0, 1.1)) * rng.random((count, 3))
     side = rng.integers(0, 2, count) == 0
     places[side, 0] = 5.6 + 0.15 * rng.random(side.sum())
     places[~side, 2] = 1.2 + 0.15 * rng.random((~side).sum())
     facing = np.where(side[:, None], (-1.0, 0.0, 0.2), (0.0, 0.0, 1.0)) + 0.5 * rng.normal(size=(count, 3))
-    leaves("Hedge", places, facing / np.linalg.norm(facing, axis=1)[:, None], 0.45, card)
+    leaves("Hedge", places, facing / np.linalg.norm(facing, axis=1)[:, None], 0.6, card)
     block("Hedge Inside", (5.8, -1.0, 0.0), (6.4, 12.0, 1.15), make.material("Twigs", (0.03, 0.04, 0.015)))
 
 
@@ -300,7 +301,7 @@ def things() -> None:
         bpy.ops.object.shade_smooth()
         make.named(f"Ball {number + 1}").data.materials.append(chrome)
     iron = plain("Iron", (0.04, 0.04, 0.045), 0.5, 1.0)
-    bpy.ops.mesh.primitive_cylinder_add(vertices=48, radius=0.42, depth=0.02, location=(-0.3, 4.6, 0.01))
+    bpy.ops.mesh.primitive_cylinder_add(vertices=48, radius=0.42, depth=0.02, location=(-1.5, 5.2, 0.01))
     make.named("Manhole").data.materials.append(iron)
 
 
@@ -310,25 +311,25 @@ def steam() -> None:
     made = make.smoke_material()
     volume = made.node_tree.nodes["Principled Volume"]
     volume.inputs["Color"].default_value = (0.97, 0.97, 0.97, 1.0)
-    volume.inputs["Density"].default_value = 5.0
+    volume.inputs["Density"].default_value = 8.0
     volume.inputs["Anisotropy"].default_value = 0.0
     data.materials.append(made)
-    cloud = make.add("Steam", data, (-1.7, 3.2, -0.1), Vector((0.0, 0.0, 0.0)))
+    cloud = make.add("Steam", data, (-2.9, 3.8, -0.1), Vector((0.0, 0.0, 0.0)))
     cloud.scale = (1.0, 1.0, 1.0)
 
 
 def mist() -> None:
     """Patches of ground fog, thicker down the street, in a file of cells that are longer than they are high."""
     rng = np.random.default_rng(SEED)
-    cells, low, high = (32, 128, 24), np.array((FACADE, -8.0, -0.2)), np.array((7.4, 56.0, 5.8))
+    cells, low, high = (16, 56, 10), np.array((FACADE, 4.0, -0.2)), np.array((7.4, 56.0, 2.8))
     x, y, z = (a + (b - a) * (np.arange(n) + 0.5) / n for a, b, n in zip(low, high, cells))
-    patches = noise(rng, cells[0], cells[1], 16, 4)[..., None]
-    curls = np.stack([np.roll(patches[..., 0], 2 * k, axis=1) for k in range(cells[2])], axis=2)
+    patches = noise(rng, cells[0], cells[1], 8, 3)[..., None]
+    curls = np.stack([np.roll(patches[..., 0], k, axis=1) for k in range(cells[2])], axis=2)
     above = np.maximum(z, 0.0)
-    ground = np.clip(2.2 * curls - 0.55, 0.0, None) * np.exp(-above / 0.45)
-    far = np.clip((y - 4.0) / 40.0, 0.0, 1.0)[None, :, None]
-    ends = np.clip((high[2] - z) / 2.0, 0.0, 1.0)
-    density = (ground * (0.35 + far) + 0.35 * far * np.exp(-above / 4.0)) * ends + 0.0 * x[:, None, None]
+    ground = np.clip(2.2 * curls - 0.55, 0.0, None) * np.exp(-above / 0.7)
+    far = np.clip((y - 4.0) / 30.0, 0.0, 1.0)[None, :, None]
+    ends = np.clip((high[2] - z) / 1.5, 0.0, 1.0)
+    density = far * (2.0 * ground + 0.5) * ends + 0.0 * x[:, None, None]
     grid = pyopenvdb.FloatGrid(0.0)
     grid.name, grid.saveFloatAsHalf = "density", True
     grid.copyFromArray(density.astype(np.float32), tolerance=0.002)
@@ -359,7 +360,8 @@ def main() -> None:
     scene = bpy.context.scene
     scene.sfumato.bounced_light = True
     scene.cycles.max_bounces, scene.cycles.diffuse_bounces, scene.cycles.glossy_bounces = 4, 2, 2
-    scene.view_settings.view_transform = "Filmic"
+    scene.view_settings.view_transform, scene.view_settings.look = "Filmic", "Medium High Contrast"
+    scene.view_settings.exposure = 0.6
     scene.frame_end = 1
     scene.render.filepath = "//out/street"
     make.save("street")

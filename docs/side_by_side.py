@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """docs/side_by_side.png, the plume by Cycles in five times the time, by Sfumato, and by Cycles in 300 times the time; and
-docs/gallery.png, docs/glass.png, docs/textures.png, docs/room.png and docs/fog.png, the samples of these names by Sfumato and by Cycles.
+docs/gallery.png, docs/glass.png, docs/textures.png, docs/room.png, docs/street.png and docs/fog.png, the samples of these names by Sfumato and by Cycles.
 
 PATH=/usr/bin:$PATH blender -b blend_samples/plume.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/gallery.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/glass.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/textures.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/room.blend --addons sfumato --python docs/side_by_side.py
+PATH=/usr/bin:$PATH blender -b blend_samples/street.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/fog.blend --addons sfumato --python docs/side_by_side.py
 """
 
@@ -27,6 +28,7 @@ SAMPLES = {
     "glass": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "glass.png"),
     "textures": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "textures.png"),
     "room": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 256)), "room.png"),
+    "street": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "street.png"),
     "fog": ((slice(0, 400), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "fog.png"),
 }
 
