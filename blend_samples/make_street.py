@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write street.blend and street_sky.exr: a street of brick houses on a hazy morning, in the light of a sky that is painted
-here, with a tree and a hedge of leaves cut out by their alpha, chrome bollards, and steam from a manhole.
+"""Write street.blend, street_sky.exr and frames/mist.vdb: a street of brick houses in the morning's ground fog, in the light
+of a sky that is painted here, with a tree and a hedge of leaves cut out by their alpha, chrome bollards, and steam from a
+manhole.
 
 Run with:  PATH=/usr/bin:$PATH blender -b --factory-startup --python-exit-code 3 --python blend_samples/make_street.py
-The steam is plume_cache/data/fluid_data_0025.vdb, which make.py bakes.
+It needs pyopenvdb (Debian: python3-openvdb). The steam is plume_cache/data/fluid_data_0025.vdb, which make.py bakes.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import make  # noqa: E402 # the materials and settings that the samples share
+import street_pictures as pictures  # noqa: E402
 from make_frames import FRAMES  # noqa: E402
 from make_room import block, plain  # noqa: E402
 from make_textures import Graph, image  # noqa: E402
@@ -35,48 +37,9 @@ SKY = "street_sky.exr"
 SEED = 7
 
 
-def noise(rng: np.random.Generator, height: int, width: int, cells: int, octaves: int) -> Array:
-    """Smooth between random numbers, ever finer ones; it closes around its columns. About 0 to 1."""
-    total, weight = np.zeros((height, width)), 0.0
-    for octave in range(octaves):
-        across, down = cells << octave, max((cells << octave) // 2, 2)
-        values = rng.random((down + 1, across))
-        v, u = np.linspace(0.0, down - 1e-6, height), np.arange(width) * across / width
-        j, i = v.astype(int), u.astype(int)
-        s, t = ((x - n)[None] ** 2 * (3.0 - 2.0 * (x - n)[None]) for x, n in ((v, j), (u, i)))
-        rows = (1.0 - s.T) * values[j] + s.T * values[j + 1]
-        total += 0.5**octave * ((1.0 - t) * rows[:, i] + t * rows[:, (i + 1) % across])
-        weight += 0.5**octave
-    return np.asarray(total / weight)
-
-
-def sky_colours(width: int = 1024) -> Array:
-    """An equirectangular picture (width / 2, width, 3), row 0 at the bottom: a morning's sky with clouds, a sun of one
-    degree, and below the horizon the haze of a town."""
-    rng = np.random.default_rng(SEED)
-    height = width // 2
-    up = np.pi * ((np.arange(height) + 0.5) / height - 0.5)[:, None]
-    around = 2.0 * np.pi * (0.5 - (np.arange(width) + 0.5) / width)[None]
-    x, y, z = np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up) + 0.0 * around
-    towards = np.clip(x * SUN.x + y * SUN.y + z * SUN.z, -1.0, 1.0)
-    high = np.clip(z, 0.0, 1.0)[..., None] ** 0.45
-    rgb = (1.0 - high) * np.array((0.62, 0.50, 0.40)) + high * np.array((0.07, 0.17, 0.42))
-    glow = np.exp(-(np.arccos(towards)[..., None] / np.array((0.55, 0.45, 0.38))))
-    rgb = rgb + glow * np.array((0.9, 0.6, 0.33))
-    cloud = np.clip((noise(rng, height, width, 6, 6) - 0.50) / 0.16, 0.0, 1.0) * np.clip(z / 0.25, 0.0, 1.0)
-    cloud = (0.85 * cloud**1.5)[..., None]
-    rgb = (1.0 - cloud) * rgb + cloud * (np.array((0.62, 0.58, 0.57)) + 1.0 * glow)
-    roofs = 0.03 + 0.05 * np.repeat(rng.random(width // 16), 16)[None] + 0.0 * z
-    town = np.clip((roofs - z) / 0.01, 0.0, 1.0)[..., None]
-    rgb = (1.0 - town) * rgb + town * (np.array((0.24, 0.22, 0.23)) + 0.2 * glow)
-    ground = np.clip(-z / 0.03, 0.0, 1.0)[..., None]
-    rgb = (1.0 - ground) * rgb + ground * np.array((0.14, 0.13, 0.12))
-    return np.where((towards > math.cos(math.radians(0.5)))[..., None], np.array((16000.0, 12500.0, 9000.0)), rgb)
-
-
 def sky() -> None:
     """Into a file of half floats, and around the scene."""
-    rgb = sky_colours()
+    rgb = pictures.sky(SUN, SEED)
     height, width = rgb.shape[:2]
     painted = bpy.data.images.new("Painted", width, height, float_buffer=True)
     painted.pixels.foreach_set(np.concatenate((rgb, np.ones((height, width, 1))), axis=2).astype(np.float32).ravel())
@@ -94,23 +57,13 @@ def sky() -> None:
 
 
 def slabs() -> bpy.types.Material:
-    """Paving stones by an image, whose alpha is their height."""
-    rng = np.random.default_rng(SEED)
-    size = 256
-    v, u = np.mgrid[0:size, 0:size] * 4.0 / size
-    row = v.astype(int)
-    along = u + 0.5 * (row % 2)
-    stone = rng.random((4, 4))[row % 4, along.astype(int) % 4]
-    edge = np.minimum(np.minimum(along % 1.0, 1.0 - along % 1.0), np.minimum(v % 1.0, 1.0 - v % 1.0))
-    grain = noise(rng, size, size, 32, 3)
-    high = np.clip(edge / 0.045, 0.0, 1.0) * (0.9 + 0.1 * grain)
-    tone = (0.42 + 0.22 * stone + 0.25 * (grain - 0.5)) * (0.45 + 0.55 * np.clip(edge / 0.035, 0.0, 1.0))
-    rgb = np.clip(tone[..., None] * np.array((1.0, 0.96, 0.9)), 0.0, 1.0)
+    """Paving stones by two images, of their colour and of their height."""
+    rgb, high = pictures.slabs(SEED)
     graph = Graph("Slabs")
     where = graph.scaled("Object", 0.4)
-    for name, values, into in (("Slabs", rgb, "Base Color"), ("Slabs' Height", high[..., None] * np.ones(3), None)):
+    for name, values, into in (("Slabs", rgb, "Base Color"), ("Slabs' Height", high, None)):
         texture = graph.node("TexImage", {"Vector": where})
-        texture.image = image(name, np.concatenate((values, np.ones((size, size, 1))), axis=2))
+        texture.image = image(name, np.concatenate((values, np.ones((*values.shape[:2], 1))), axis=2))
         if into:
             graph.into(into, texture.outputs["Color"])
             continue
@@ -154,30 +107,10 @@ def bricks(name: str, first: make.Colour, second: make.Colour, mortar: make.Colo
 
 def spray() -> bpy.types.Material:
     """A twig with leaves on a card, of which alpha keeps no more; light comes through them."""
-    size = 128
-    v, u = np.mgrid[0:size, 0:size] / (size / 2.0) - 1.0
-    inside, rib, tone = (np.zeros((size, size), bool) for _ in range(3))
-    shade = np.zeros((size, size))
-    for number in range(9):
-        side = 0.0 if number == 8 else (-1.0) ** number
-        y = 0.3 if number == 8 else -0.75 + 0.13 * number
-        turn = 0.95 * side
-        x0, y0 = 0.42 * math.sin(turn), y + 0.36 * math.cos(turn)
-        a = (u - x0) * math.sin(turn) + (v - y0) * math.cos(turn)
-        b = (u - x0) * math.cos(turn) - (v - y0) * math.sin(turn)
-        leaf = np.abs(b) < 0.17 * np.clip(1.0 - (a / 0.36) ** 2, 0.0, 1.0) * (1.0 - 0.5 * a)
-        inside |= leaf
-        rib = np.where(leaf, np.abs(b) < 0.015, rib)
-        shade = np.where(leaf, 0.8 + 0.4 * ((number * 0.37) % 1.0), shade)
-    twig = (np.abs(u) < 0.02) & (v < 0.3)
-    green = shade[..., None] * np.array((0.36, 0.52, 0.16))
-    green = np.where(rib[..., None], 1.25 * green, green)
-    rgb = np.where(inside[..., None], green, np.where(twig[..., None], (0.3, 0.22, 0.14), (0.33, 0.47, 0.16)))
-    pixels = np.concatenate((rgb, (inside | twig)[..., None] * 1.0), axis=2)
     graph = Graph("Spray")
     graph.tree.nodes.remove(graph.shader)
     texture = graph.node("TexImage", extension="CLIP")
-    texture.image = image("Spray", np.clip(pixels, 0.0, 1.0))
+    texture.image = image("Spray", pictures.spray())
     matt = graph.node("BsdfDiffuse", {"Color": texture.outputs["Color"]})
     through = graph.node("BsdfTranslucent", {"Color": texture.outputs["Color"]})
     leaf_shader = graph.node("MixShader", {"Fac": 0.4, 1: matt.outputs[0], 2: through.outputs[0]})
@@ -235,7 +168,8 @@ def green() -> None:
     for number, (middle, _, _) in enumerate(crowns):
         limb(f"Limb {number + 1}", (4.2, 8.1, 2.7), middle, 0.1, bark)
     parts = [cloud_of(rng, *crown) for crown in crowns]
-    leaves("Crown", *(np.concatenate(each) for each in zip(*parts)), 1.0, card)
+    places, facing = (np.concatenate(each) for each in zip(*parts))
+    leaves("Crown", places, facing, 1.0, card)
     count = 420
     places = np.array((5.6, -1.0, 0.2)) + np.array((0.8, 13.0, 1.1)) * rng.random((count, 3))
     side = rng.integers(0, 2, count) == 0
@@ -323,7 +257,7 @@ def mist() -> None:
     rng = np.random.default_rng(SEED)
     cells, low, high = (16, 56, 10), np.array((FACADE, 4.0, -0.2)), np.array((7.4, 56.0, 2.8))
     x, y, z = (a + (b - a) * (np.arange(n) + 0.5) / n for a, b, n in zip(low, high, cells))
-    patches = noise(rng, cells[0], cells[1], 8, 3)[..., None]
+    patches = pictures.noise(rng, cells[0], cells[1], 8, 3)[..., None]
     curls = np.stack([np.roll(patches[..., 0], k, axis=1) for k in range(cells[2])], axis=2)
     above = np.maximum(z, 0.0)
     ground = np.clip(2.2 * curls - 0.55, 0.0, None) * np.exp(-above / 0.7)
