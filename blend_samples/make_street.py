@@ -225,7 +225,7 @@ def street() -> None:
 
 
 def things() -> None:
-    chrome = plain("Chrome", (0.92, 0.92, 0.93), 0.06, 1.0)
+    chrome = plain("Chrome", (0.92, 0.92, 0.93), 0.15, 1.0)
     for number in range(5):
         x, y = RIGHT + 0.42, 0.4 + 2.3 * number
         bpy.ops.mesh.primitive_cylinder_add(vertices=48, radius=0.1, depth=0.85, location=(x, y, KERB + 0.42))
@@ -273,7 +273,7 @@ def mist() -> None:
     data.filepath = "//frames/mist.vdb"
     made = make.smoke_material()
     volume = made.node_tree.nodes["Principled Volume"]
-    made.name, volume.inputs["Density"].default_value = "Mist", 0.1
+    made.name, volume.inputs["Density"].default_value = "Mist", 0.04
     volume.inputs["Color"].default_value = (0.95, 0.95, 0.95, 1.0)
     volume.inputs["Anisotropy"].default_value = 0.0
     data.materials.append(made)
@@ -294,6 +294,7 @@ def main() -> None:
     scene = bpy.context.scene
     scene.sfumato.bounced_light = True
     scene.cycles.max_bounces, scene.cycles.diffuse_bounces, scene.cycles.glossy_bounces = 4, 2, 2
+    scene.cycles.caustics_reflective = False  # specks of the sun by way of the chrome
     scene.view_settings.view_transform, scene.view_settings.look = "Filmic", "Medium High Contrast"
     scene.view_settings.exposure = 0.6
     scene.frame_end = 1

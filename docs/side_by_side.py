@@ -28,7 +28,7 @@ SAMPLES = {
     "glass": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "glass.png"),
     "textures": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "textures.png"),
     "room": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 256)), "room.png"),
-    "street": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "street.png"),
+    "street": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 16)), "street.png"),
     "fog": ((slice(0, 400), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "fog.png"),
 }
 
