@@ -43,6 +43,7 @@ def shown(engine: str, samples: int) -> NDArray[np.float32]:
         scene.render.filepath = str(Path(folder) / "part.png")
         bpy.ops.render.render(write_still=True)
         image = bpy.data.images.load(scene.render.filepath)
+        image.colorspace_settings.name = "Non-Color"  # as it is stored, whatever the scene's view transform
         pixels = np.empty(len(image.pixels), dtype=np.float32)
         image.pixels.foreach_get(pixels)
         return pixels.reshape(image.size[1], image.size[0], 4)
@@ -53,7 +54,7 @@ def main() -> None:
     parts = [shown(engine, samples)[crop] for engine, samples in renders]
     gap = np.ones((parts[0].shape[0], 6, 4), dtype=np.float32)
     row = np.concatenate([part for picture in parts for part in (picture, gap)][:-1], axis=1)
-    image = bpy.data.images.new("row", row.shape[1], row.shape[0])
+    image = bpy.data.images.new("row", row.shape[1], row.shape[0], is_data=True)
     image.pixels.foreach_set(row.ravel())
     image.filepath_raw, image.file_format = str(DOCS / name), "PNG"
     image.save()
