@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """docs/side_by_side.png, the plume by Cycles in five times the time, by Sfumato, and by Cycles in 300 times the time; and
-docs/gallery.png, docs/glass.png, docs/textures.png, docs/room.png and docs/fog.png, the samples of these names by Sfumato and by Cycles.
+docs/gallery.png, docs/glass.png, docs/textures.png, docs/room.png, docs/street.png and docs/fog.png, the samples of these names by Sfumato and by Cycles.
 
 PATH=/usr/bin:$PATH blender -b blend_samples/plume.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/gallery.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/glass.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/textures.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/room.blend --addons sfumato --python docs/side_by_side.py
+PATH=/usr/bin:$PATH blender -b blend_samples/street.blend --addons sfumato --python docs/side_by_side.py
 PATH=/usr/bin:$PATH blender -b blend_samples/fog.blend --addons sfumato --python docs/side_by_side.py
 """
 
@@ -27,6 +28,7 @@ SAMPLES = {
     "glass": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "glass.png"),
     "textures": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "textures.png"),
     "room": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 256)), "room.png"),
+    "street": ((slice(0, 360), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 16)), "street.png"),
     "fog": ((slice(0, 400), slice(0, 640)), (("SFUMATO", 1), ("CYCLES", 64)), "fog.png"),
 }
 
@@ -41,6 +43,7 @@ def shown(engine: str, samples: int) -> NDArray[np.float32]:
         scene.render.filepath = str(Path(folder) / "part.png")
         bpy.ops.render.render(write_still=True)
         image = bpy.data.images.load(scene.render.filepath)
+        image.colorspace_settings.name = "Non-Color"  # as it is stored, whatever the scene's view transform
         pixels = np.empty(len(image.pixels), dtype=np.float32)
         image.pixels.foreach_get(pixels)
         return pixels.reshape(image.size[1], image.size[0], 4)
@@ -51,7 +54,7 @@ def main() -> None:
     parts = [shown(engine, samples)[crop] for engine, samples in renders]
     gap = np.ones((parts[0].shape[0], 6, 4), dtype=np.float32)
     row = np.concatenate([part for picture in parts for part in (picture, gap)][:-1], axis=1)
-    image = bpy.data.images.new("row", row.shape[1], row.shape[0])
+    image = bpy.data.images.new("row", row.shape[1], row.shape[0], is_data=True)
     image.pixels.foreach_set(row.ravel())
     image.filepath_raw, image.file_format = str(DOCS / name), "PNG"
     image.save()

@@ -23,26 +23,10 @@ from typing import Any
 ROOM = Path(__file__).resolve().parent / "bench"
 sys.path.insert(0, str(ROOM))
 
-from bench_rows import BasisRow, CostRow, LightRow, Row, error_of
+from bench_rows import BasisRow, CostRow, LightRow, Row, error_of, seconds_at_error
 from blender_run import ROOT, run_script
 
-
-def seconds_at_error(rows: Sequence[Row], error: float) -> float:
-    """The time that a rival needs to reach `error`, from its measured rows, by interpolation of the logarithms.
-
-    Beyond the finest row the error is taken to fall with the root of the time, as noise does; before the coarsest row
-    nothing is gained, since there is nothing cheaper to run.
-    """
-    if not error > 0.0:
-        raise ValueError(f"error must be positive, got {error}")
-    rows = sorted(rows, key=error_of, reverse=True)
-    if error >= error_of(rows[0]):
-        return rows[0]["seconds"]
-    for coarse, fine in zip(rows, rows[1:]):
-        if error > error_of(fine):
-            share = math.log(error_of(coarse) / error) / math.log(error_of(coarse) / error_of(fine))
-            return coarse["seconds"] * math.pow(fine["seconds"] / coarse["seconds"], share)
-    return rows[-1]["seconds"] * (error_of(rows[-1]) / error) ** 2
+Subject = Callable[..., tuple[Sequence[Row], list[str]]]
 
 
 def against_cycles() -> tuple[list[Row], list[str]]:
@@ -188,14 +172,19 @@ def denoised() -> tuple[Sequence[Row], list[str]]:
     return in_official()
 
 
+def of_options(subject: Subject, options: dict[str, Any]) -> tuple[Sequence[Row], list[str]]:
+    """What a subject measures; where an option has a value that it does not know, what it says of that and no more."""
+    try:
+        return subject(**options)
+    except ValueError as error:
+        raise SystemExit(str(error)) from error
+
+
 def heavy(**options: Any) -> tuple[Sequence[Row], list[str]]:
     """Scenes with many triangles, many objects and much smoke, against another commit and against Cycles."""
     from bench_heavy import heavy as heavy_scenes
 
-    try:
-        return heavy_scenes(**options)
-    except ValueError as error:  # of an option
-        raise SystemExit(str(error)) from error
+    return of_options(heavy_scenes, options)
 
 
 def transparency() -> tuple[Sequence[Row], list[str]]:
@@ -234,11 +223,11 @@ def shafts() -> tuple[Sequence[Row], list[str]]:
     return [*lamps, *rows, *blends], [*of_lamps, *said, *of_blends]
 
 
-def scenes() -> tuple[Sequence[Row], list[str]]:
-    """The plume in the light of worlds."""
-    from bench_scenes import scenes as lit
+def scenes(**options: Any) -> tuple[Sequence[Row], list[str]]:
+    """What scenes have beside smoke, against an official Blender's Cycles without and with the denoiser."""
+    from bench_scenes import scenes as in_official
 
-    return lit()
+    return of_options(in_official, options)
 
 
 def package() -> tuple[Sequence[Row], list[str]]:
@@ -248,7 +237,7 @@ def package() -> tuple[Sequence[Row], list[str]]:
     return both()
 
 
-SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
+SUBJECTS: dict[str, Subject] = {
     "arealights": area_lights,
     "bases": bases,
     "cost": scale,
@@ -265,6 +254,8 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "shafts": shafts,
     "versions": versions,
 }
+
+OPTIONS = {"heavy": ("case", "method", "against"), "scenes": ("case",)}
 
 
 COLUMNS = ("error", "seconds", "bytes")
@@ -295,14 +286,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure one subject and print a table.")
     parser.add_argument("name", choices=sorted(SUBJECTS))
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows there too")
+    parser.add_argument("--case", action="append", help="of heavy and scenes: this one; may be given several times")
     only = parser.add_argument_group("heavy alone")
-    only.add_argument("--case", action="append", help="measure this one; may be given several times")
     only.add_argument("--method", action="append", help="by this one; may be given several times")
     only.add_argument("--against", metavar="COMMIT", help="what the method `before` is")
     arguments = parser.parse_args()
     options = {name: value for name in ("case", "method", "against") if (value := getattr(arguments, name))}
-    if options and arguments.name != "heavy":
-        parser.error(f"{arguments.name} has no --{next(iter(options))}")
+    for name in options:
+        if name not in OPTIONS.get(arguments.name, ()):
+            parser.error(f"{arguments.name} has no --{name}")
     for ending in (signal.SIGINT, signal.SIGTERM):  # what a subject has started ends with it
         signal.signal(ending, signal.default_int_handler)
     try:

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -66,6 +67,9 @@ struct BounceRay {
 struct BounceKernels {
     void (*shine)(const FrameView &, BounceRays &);
     void (*meet)(const FrameView &, std::span<const BounceRay>, std::span<BouncePoint>);
+    // Adds the places of which meet() does not tell, though the eye sees what comes to them: sheets before what rays
+    // meet first, and the other sides of what light comes through. They send nothing to others.
+    void (*meet_more)(const FrameView &, std::span<const BounceRay>, std::vector<BouncePoint> &);
     // What white matt surfaces at points, which are hit, send of lights. Each looks at them from its own place.
     void (*lit)(const FrameView &, std::span<const BouncePoint>, std::span<glm::vec3>);
 };

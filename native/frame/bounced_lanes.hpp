@@ -4,6 +4,7 @@
 
 #include "frame/bounce.hpp"
 #include "frame/light_cells.hpp"
+#include "frame/more_lanes.hpp"
 #include "frame/reflected_lanes.hpp"
 
 #include <algorithm>
@@ -345,6 +346,15 @@ inline void add_from_others(const FromOthers &others, Reflected &light) {
         light.unshadowed = light.unshadowed + sharp * (1.0F / 3.0F);
         light.even = light.even + sharp * (1.0F / 3.0F);
         light.even_unshadowed = light.even_unshadowed + sharp * (1.0F / 3.0F);
+    }
+}
+
+// To what light comes through, what is kept of that of others on the other side.
+inline void add_from_behind(const FrameView &frame, const Packet &packet, const Ray &ray, const Surface &surface,
+                            Mask asked, Reflected &light) {
+    if (frame.surfaces.more && xsimd::any(asked & any_colour(surface.translucence))) {
+        const Surface other = behind(surface);
+        add_from_others(from_others(frame, packet, ray, other, asked & other.hit, true), light);
     }
 }
 

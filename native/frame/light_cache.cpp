@@ -70,11 +70,13 @@ public:
 
     void run() {
         const std::vector<BounceRay> rays = camera_rays(frame_);
-        const std::vector<BouncePoint> seen = met(rays);
+        std::vector<BouncePoint> seen = met(rays);
+        kernels_.meet_more(frame_, rays, seen);
+        const glm::vec3 &eye = rays[rays.size() / 2].origin;
         std::vector<float> distances;
-        for (std::size_t i = 0; i < seen.size(); ++i) {
-            if (seen[i].hit) {
-                distances.push_back(glm::distance(rays[i].origin, seen[i].position));
+        for (const BouncePoint &point : seen) {
+            if (point.hit) {
+                distances.push_back(glm::distance(eye, point.position));
             }
         }
         if (distances.empty()) {
@@ -82,7 +84,7 @@ public:
         }
         const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
         std::nth_element(distances.begin(), middle, distances.end());
-        view_.eye = rays[rays.size() / 2].origin;
+        view_.eye = eye;
         view_.near = std::max(*middle, 1e-6F);
         view_.size = view_.near / CELLS;
         for (const BouncePoint &point : seen) {

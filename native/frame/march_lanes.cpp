@@ -207,6 +207,8 @@ void trace_air(const FrameView &frame, const Packet &packet, Layers &out);      
 void merge(const FrameView &frame, const Packet &packet, Layers &out);                           // merge_lanes.cpp
 void shine(const FrameView &frame, BounceRays &rays);                                            // bounce_lanes.cpp
 void meet(const FrameView &frame, std::span<const BounceRay> rays, std::span<BouncePoint> out);
+void meet_more(const FrameView &frame, std::span<const BounceRay> rays,
+               std::vector<BouncePoint> &out); // sheets_lanes.cpp
 void lit(const FrameView &frame, std::span<const BouncePoint> points, std::span<glm::vec3> out);
 void light_puffs(const FrameView &frame, std::span<const Puff> puffs, std::span<const glm::vec3> directions,
                  bool past_smoke, std::span<glm::vec3> out);
@@ -240,6 +242,6 @@ extern const FrameKernels frame_kernels{trace_surfaces,
                                         trace_air,
                                         merge,
                                         {light_puffs, light_strands, light_sheets},
-                                        {shine, meet, lit}};
+                                        {shine, meet, meet_more, lit}};
 
 } // namespace sfumato::SFUMATO_ISA

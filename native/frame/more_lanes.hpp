@@ -33,6 +33,16 @@ inline void add(const Reflected &more, Reflected &out) {
     out.even_unshadowed = out.even_unshadowed + more.even_unshadowed;
 }
 
+// Of what light comes through, the other side: seen from here, and lit from there.
+inline Surface behind(const Surface &surface) {
+    Surface out = alone(surface, surface.translucence, any_colour(surface.translucence));
+    out.normal = -surface.normal;
+    out.geometric_normal = -surface.geometric_normal;
+    out.smooth_normal = -surface.smooth_normal;
+    out.spreading = static_cast<float>(Spreading::LAMBERT);
+    return out;
+}
+
 // Apart, with all that it puts on the stack: few surfaces have any of this.
 [[gnu::noinline]] inline void add_more(const FrameView &frame, LayerSet wanted, const Packet &packet, const Ray &ray,
                                        const Surface &surface, Reflected &out) {
@@ -49,14 +59,8 @@ inline void add(const Reflected &more, Reflected &out) {
         out.dull.open = out.dull.open + pick(fibres.hit, more.dull.open, 0.0F);
     }
     if (xsimd::any(surface.hit & translucent)) {
-        // Seen from here, and lit from there. What solids hide there of a sky, the directions of this side do not tell:
-        // it stays as its few rays have it.
-        Surface behind = alone(surface, surface.translucence, translucent);
-        behind.normal = -surface.normal;
-        behind.geometric_normal = -surface.geometric_normal;
-        behind.smooth_normal = -surface.smooth_normal;
-        behind.spreading = static_cast<float>(Spreading::LAMBERT);
-        add(reflected(frame, wanted, packet, ray, behind), out);
+        // What solids hide there of a sky, the directions of this side do not tell: it stays as its few rays have it.
+        add(reflected(frame, wanted, packet, ray, behind(surface)), out);
     }
 }
 

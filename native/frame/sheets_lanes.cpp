@@ -53,6 +53,8 @@ private:
     std::size_t next_[LANES], end_[LANES];
 };
 
+constexpr float FARTHEST = 1e6F; // metres
+
 Real mean(const Real (&rgb)[3]) {
     return (rgb[0] + rgb[1] + rgb[2]) * (1.0F / 3.0F);
 }
@@ -186,6 +188,7 @@ void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet,
         Reflected light = all_reflected(frame, wanted, packet, ray, sheet);
         if (wanted.has(Layer::RADIANCE) && (frame.bounces.gloss || frame.bounces.diffuse)) {
             add_from_others(from_others(frame, packet, ray, sheet, sheet.hit, true), light);
+            add_from_behind(frame, packet, ray, sheet, sheet.hit, light);
         }
         Real through[3];
         alignas(64) float sent[3][LANES], left[3][LANES];
@@ -206,6 +209,54 @@ void trace_sheets(const FrameView &frame, LayerSet wanted, const Packet &packet,
         over.add(frame, wanted, ray, sheet, light, through);
     }
     over.finish(wanted);
+}
+
+void meet_more(const FrameView &frame, std::span<const BounceRay> rays, std::vector<BouncePoint> &out) {
+    const auto keep_places = [&out](const Surface &surface, const Ray &ray) {
+        const vec3 point = ray.origin + ray.direction * surface.distance;
+        const vec3 start = point + surface.geometric_normal * offset_of(point, surface.distance);
+        alignas(64) float hits[MAX_LANES], position[3][MAX_LANES], normal[3][MAX_LANES];
+        pick(surface.hit, 1.0F, 0.0F).store_aligned(hits);
+        store(start, position);
+        store(surface.normal, normal);
+        for (std::size_t lane = 0; lane < LANES; ++lane) {
+            if (hits[lane] > 0.0F) {
+                BouncePoint &place = out.emplace_back();
+                place.hit = true;
+                place.position = {position[0][lane], position[1][lane], position[2][lane]};
+                place.normal = {normal[0][lane], normal[1][lane], normal[2][lane]};
+            }
+        }
+    };
+    std::vector<Hit> hits;
+    for (std::size_t first = 0; first < rays.size(); first += LANES) {
+        alignas(64) float origin[3][MAX_LANES], direction[3][MAX_LANES], asked[MAX_LANES];
+        for (std::size_t lane = 0; lane < LANES; ++lane) {
+            const BounceRay &ray = rays[std::min(first + lane, rays.size() - 1)];
+            for (int axis = 0; axis < 3; ++axis) {
+                origin[axis][lane] = ray.origin[axis];
+                direction[axis][lane] = ray.direction[axis];
+            }
+            asked[lane] = first + lane < rays.size() ? 1.0F : 0.0F;
+        }
+        const Mask active = Real::load_aligned(asked) > 0.0F;
+        const Ray ray{load(origin), load(direction), FARTHEST};
+        const Surface solid = first_surface(frame.surfaces, frame.surfaces.seen, ray, active, nullptr);
+        if (frame.surfaces.more && xsimd::any(solid.hit)) {
+            keep_places(behind(solid), ray);
+        }
+        all_hits(frame.surfaces.places, frame.surfaces.sheets, ray.origin, ray.direction,
+                 pick(solid.hit, solid.distance, FARTHEST), active, hits);
+        Ranks ranks(hits);
+        Met met;
+        while (ranks.next(active, met)) {
+            const Surface sheet = surface_at(frame.surfaces, met, ray);
+            keep_places(sheet, ray);
+            if (frame.surfaces.more) {
+                keep_places(behind(sheet), ray);
+            }
+        }
+    }
 }
 
 void light_sheets(const FrameView &frame, std::span<const SheetPoint> points, std::span<glm::vec3> out) {

@@ -5,6 +5,8 @@ Debian's Cycles does not have."""
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
 
@@ -13,6 +15,7 @@ from bench_rows import LightRow
 from blender_run import ROOT
 
 VERSION = "5.0.1"
+CASES = "SFUMATO_BENCH_CASES"  # names with commas; none for all
 
 
 def denoised() -> tuple[list[LightRow], list[str]]:
@@ -21,16 +24,30 @@ def denoised() -> tuple[list[LightRow], list[str]]:
     return rows, remarks(rows)
 
 
-def rows_of(script: str) -> list[LightRow]:
-    """What a script prints inside an official Blender. Raises RuntimeError where that fails."""
+def rows_of(script: str, cases: str = "") -> list[LightRow]:
+    """What a script prints inside an official Blender, which finds `cases` in its environment. Whatever ends this ends
+    Blender, too. Raises RuntimeError where that fails."""
     command = ["tests/official", "--script", script, VERSION]
     printed = []
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    with subprocess.Popen(
+        command,
+        cwd=ROOT,
+        env=os.environ | {CASES: cases},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    ) as process:
         assert process.stdout is not None
-        for line in process.stdout:
-            printed.append(line)
-            if line.startswith(progress.MARK):
-                print(line, end="", file=sys.stderr, flush=True)
+        try:
+            for line in process.stdout:
+                printed.append(line)
+                if line.startswith(progress.MARK):
+                    print(line, end="", file=sys.stderr, flush=True)
+            process.wait()
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGTERM)  # by which the shell passes it on
     if process.returncode != 0:
         raise RuntimeError(f"{' '.join(command)} ended with {process.returncode}:\n{''.join(printed[-40:])}")
     return [json.loads(line[4:]) for line in printed if line.startswith("ROW ")]

@@ -72,20 +72,30 @@ def linear_exr() -> None:
     settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
 
 
+def is_older(picture: Path) -> bool:
+    """Than the sample that is open, if one is."""
+    sample = Path(bpy.data.filepath)
+    return sample.parent == harness.SAMPLE.parent and picture.stat().st_mtime < sample.stat().st_mtime
+
+
 def judge(name: str, samples_by_seed: dict[int, int], crop: Crop) -> tuple[np.ndarray, float]:
     """What `crop` leaves of the open scene's picture by many samples of Cycles, and its noise: of n and m samples with
     independent noise of variance v / n and v / m, the difference has v (n + m) / (n m) and their mean by samples
     v / (n + m)."""
     parts = []
+    render = bpy.context.scene.render
+    size = f"{render.resolution_x}x{render.resolution_y}"
     for seed, samples in samples_by_seed.items():
-        path = ROOM / f"{name}_{bpy.app.version_string.split()[0]}_{samples}_{seed}.exr"
-        if not path.exists():
+        path = ROOM / f"{name}_{bpy.app.version_string.split()[0]}_{size}_{samples}_{seed}.exr"
+        if not path.exists() or is_older(path):
             progress.step(f"{samples} samples of the judge of {name}")
             choose(f"cycles-{samples}")
             bpy.context.scene.cycles.seed = seed
             bpy.ops.render.render()
             ROOM.mkdir(parents=True, exist_ok=True)
-            bpy.data.images["Render Result"].save_render(str(path))
+            part = path.with_suffix(".part.exr")  # which an interrupted benchmark leaves, and nobody reads
+            bpy.data.images["Render Result"].save_render(str(part))
+            part.replace(path)
             bpy.context.scene.cycles.seed = 0
         parts.append(crop(pixels(path)))
     n, m = samples_by_seed.values()
@@ -95,13 +105,12 @@ def judge(name: str, samples_by_seed: dict[int, int], crop: Crop) -> tuple[np.nd
 
 
 def inside(image: np.ndarray) -> np.ndarray:
-    """The rectangle of smoke and shadow."""
-    if [image.shape[1], image.shape[0]] != FACTS["resolution"]:
-        raise RuntimeError(
-            f"a render is {image.shape[1]} x {image.shape[0]}, the rectangle is of {FACTS['resolution']}"
-        )
-    x0, y0, x1, y1 = FACTS["rectangle"]
-    return image[y0:y1, x0:x1]
+    """The rectangle of smoke and shadow, of a picture of the resolution that it is told for, or of half of that."""
+    (width, height), (x0, y0, x1, y1) = FACTS["resolution"], FACTS["rectangle"]
+    for share in (1, 2):
+        if (image.shape[1] * share, image.shape[0] * share) == (width, height):
+            return image[y0 // share : y1 // share, x0 // share : x1 // share]
+    raise RuntimeError(f"a render is {image.shape[1]} x {image.shape[0]}, the rectangle is of {width} x {height}")
 
 
 def print_rows(case: str, methods: Sequence[str], samples_by_seed: dict[int, int], crop: Crop, where: str) -> None:

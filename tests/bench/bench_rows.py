@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import TypedDict
 
 
@@ -20,6 +22,24 @@ def error_of(row: Row) -> float:
     if row["error"] is None:
         raise ValueError(f"{row['case']}, {row['method']}: no error was measured")
     return row["error"]
+
+
+def seconds_at_error(rows: Sequence[Row], error: float) -> float:
+    """The time that a rival needs to reach `error`, from its measured rows, by interpolation of the logarithms.
+
+    Beyond the finest row the error is taken to fall with the root of the time, as noise does; before the coarsest row
+    nothing is gained, since there is nothing cheaper to run.
+    """
+    if not error > 0.0:
+        raise ValueError(f"error must be positive, got {error}")
+    rows = sorted(rows, key=error_of, reverse=True)
+    if error >= error_of(rows[0]):
+        return rows[0]["seconds"]
+    for coarse, fine in zip(rows, rows[1:]):
+        if error > error_of(fine):
+            share = math.log(error_of(coarse) / error) / math.log(error_of(coarse) / error_of(fine))
+            return coarse["seconds"] * math.pow(fine["seconds"] / coarse["seconds"], share)
+    return rows[-1]["seconds"] * (error_of(rows[-1]) / error) ** 2
 
 
 class RayRow(Row):

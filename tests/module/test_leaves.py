@@ -52,6 +52,17 @@ def test_what_stands_behind_a_leaf_shades_it() -> None:
     np.testing.assert_allclose(seen(before), GREEN, rtol=1e-5)
 
 
+@pytest.mark.parametrize("through", [0.0, 0.4])
+@pytest.mark.parametrize("bounces", [0, 1])
+def test_a_sky_lights_both_sides_of_a_leaf(through: float, bounces: int) -> None:
+    """Also where light goes between surfaces, by which a sky's then comes, and where the leaf lets some straight through."""
+    scene = Scene()
+    scene.add_instances(QUAD, np.eye(4), [[0.3] * 3], translucence=[GREEN], transmittance=[[through] * 3])
+    scene.add_sky((1.0, 1.0, 1.0))
+    scene.set_bounces(diffuse=bounces)
+    np.testing.assert_allclose(seen(scene), 0.3 + np.array(GREEN), rtol=1e-3)
+
+
 @pytest.mark.parametrize("roughness", [0.3, 0.5, 1.0])
 def test_of_light_from_all_sides_fibres_send_as_much_as_they_are_said_to(roughness: float) -> None:
     """Seen at 73 degrees. Lambert's lobe, however it is turned and stretched, stays one; what of it is below the surface is
