@@ -45,19 +45,6 @@ inline std::optional<Beside> beside_of(const FrameView &frame, const Packet &pac
                   packet.stands_for};
 }
 
-// Whether nothing solid stands on the first `distance` metres from `point`.
-inline Real visibility(const RayScene &solids, const vec3 &point, const Towards &towards, Mask asked) {
-    if (solids.scene == nullptr || !xsimd::any(asked)) {
-        return 1.0F;
-    }
-    typename Rays<LANES>::Ray rays;
-    set_rays(rays, point, towards.direction, 0.0F, towards.distance);
-    alignas(64) int valid[LANES];
-    valid_lanes(asked, valid);
-    Rays<LANES>::occluded(valid, solids.scene, !solids.instanced, rays);
-    return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
-}
-
 // What hair lets through from a light to a point, and of that what smoke and particles do: the mean over the light's
 // samples, by what each brings.
 inline void media_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, const vec3 &normal,
@@ -211,7 +198,7 @@ inline Passing passing(const Between &between, const Surface &surface, const vec
                        Mask wanted) {
     const Mask above = wanted & (dot(surface.normal, towards.direction) > 0.0F);
     const Mask asked = above & (dot(surface.geometric_normal, towards.direction) > 0.0F);
-    const Real visible = pick(asked, visibility(between.solids, start, towards, asked), pick(above, 0.0F, 1.0F));
+    const Real visible = pick(asked, unblocked(between.solids, start, towards.direction, towards.distance, asked), pick(above, 0.0F, 1.0F));
     Passing out;
     out.visible = visible;
     if (between.tinted()) {
