@@ -16,17 +16,26 @@ struct Measured {
     double reported = 0.0, low = 0.0, high = 0.0;
     std::size_t pixels = 0;              // that were looked at,
     std::size_t frames = 0;              // of so many pictures
-    double seconds = 0.0;                // that this took
+    double seconds = 0.0;                // that the last of them took
     std::vector<std::string> unmeasured; // what of the picture counts as right
-    // Of each group of pixels, which share what is random about lights: the mean squared error over the squared mean.
-    std::vector<double> groups;
+    // Of the squared error: its mean, the variance of that, and the degrees of freedom by which this is known.
+    double mean = 0.0, variance = 0.0, freedom = 1.0;
+
+    // Counts what was found of other pictures, too.
+    void add(const Measured &earlier);
+    void summarise();
 };
 
-// Pixels of a picture, as many as `count` or a few more: one anywhere in each of as many equal parts of it. Depends on
-// nothing else. x and y in turn.
-std::vector<int> measured_pixels(int width, int height, int count, std::uint64_t seed);
+// Where a picture may be wrong, by what it shows: pixels that are alike in that, of which some are looked at.
+struct PixelClass {
+    std::size_t count = 0;           // in the picture
+    std::vector<std::size_t> chosen; // their numbers, row by row
+    int samples = 0;                 // of each half of what is asked of a pixel
+};
 
-// The estimate of all groups.
-void summarise(Measured &measured);
+// At least `count` pixels of a picture RGBA: in each class those whose numbers, mixed with the seed, are lowest. So a
+// picture that hardly differs is looked at in the same places.
+std::vector<PixelClass> measured_pixels(std::span<const float> picture, int width, int height, int count,
+                                        std::uint64_t seed);
 
 } // namespace sfumato

@@ -32,10 +32,7 @@ Measured measure(const Frame &frame, const Camera &camera, const Floats &picture
     Measured out = frame.measure(camera, static_cast<int>(picture.shape(1)), static_cast<int>(picture.shape(0)), values,
                                  {static_cast<Filter::Shape>(shape), filter_width}, pixels, seed);
     if (earlier) {
-        out.groups.insert(out.groups.end(), earlier->groups.begin(), earlier->groups.end());
-        out.pixels += earlier->pixels;
-        out.frames += earlier->frames;
-        summarise(out);
+        out.add(*earlier);
     }
     return out;
 }
