@@ -2,6 +2,8 @@
 #include "frame/measure.hpp"
 
 #include "frame/frame.hpp"
+#include "frame/measured_pixels.hpp"
+#include "frame/random.hpp"
 #include "maps/exact_lights.hpp"
 
 #include <algorithm>
@@ -17,32 +19,18 @@ namespace {
 
 // Each pixel is sampled twice as often as this, in two halves that know nothing of each other: the product of what both
 // find wrong is, in the mean, the square of what is wrong, however noisy each is.
-// One step of as many asks the lights, each sample another, so that together they ask in all.
-constexpr int SAMPLES = 32, EDGE_SAMPLES = 128;
+// At edges of what is seen more of them are needed, and where lights are large enough to blur their shadows.
+constexpr int SAMPLES = 16, SOFT_SAMPLES = 32, EDGE_SAMPLES = 64;
 constexpr int LOOKS = 4;               // of each at the shadows of solids
-constexpr std::size_t GROUP = 8;       // pixels that share the points on lights
-constexpr double STEPS_PER_CELL = 3.0; // of the march
+constexpr std::size_t GROUP = 16;      // pixels that share the points on lights
+constexpr double STEPS_PER_CELL = 2.0; // of the march;
+constexpr int ASKS_EVERY = 2;          // of so many of which all samples of a half together ask the lights in one
 
-// SplitMix64 (Steele, Lea and Flood 2014) of numbers that tell what a number is for.
-std::uint64_t mixed(std::uint64_t x) {
-    x += 0x9e3779b97f4a7c15U;
-    x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
-    x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
-    return x ^ (x >> 31U);
-}
-
-struct Random {
-    std::uint64_t state;
-
-    Random(std::uint64_t seed, std::uint64_t subject, std::uint64_t number)
-        : state(mixed(mixed(mixed(seed) ^ subject) ^ number)) {}
-    double operator()() { // in [0, 1)
-        state = mixed(state);
-        return static_cast<double>(state >> 11U) * 0x1p-53;
-    }
+// What is looked at at once, of one list of pixels.
+struct PixelGroup {
+    std::size_t first, count;
+    int samples; // of each half
 };
-
-enum Subject : std::uint64_t { PLACES = 1, LIGHTS = 2, PIXELS = 3 };
 
 double part(double x) {
     return x - std::floor(x);
@@ -108,85 +96,7 @@ double student(double freedom) {
            (3.0 * Z7 + 19.0 * Z5 + 17.0 * Z3 - 15.0 * Z) / (384.0 * freedom * freedom * freedom);
 }
 
-// The mean of a picture's colours.
-double brightness(std::span<const float> picture) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < picture.size(); i += 4) {
-        sum += double{picture[i]} + double{picture[i + 1]} + double{picture[i + 2]};
-    }
-    return std::max(sum / (0.75 * static_cast<double>(picture.size())), 1e-30);
-}
-
-// How wrong a pixel may be: where it differs from those around it by a part of that, and a little of what it is.
-class Doubt {
-public:
-    Doubt(std::span<const float> picture, int width, int height) : picture_(picture), width_(width), height_(height) {}
-    [[nodiscard]] double operator()(int x, int y) const {
-        constexpr double OF_CONTRAST = 0.1, OF_ITSELF = 0.01;
-        double contrast = 0.0;
-        for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height_ - 1); ++j) {
-            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width_ - 1); ++i) {
-                contrast = std::max(contrast, std::abs(at(i, j) - at(x, y)));
-            }
-        }
-        return OF_CONTRAST * contrast + OF_ITSELF * std::abs(at(x, y));
-    }
-
-private:
-    [[nodiscard]] double at(int x, int y) const {
-        const float *const rgba =
-            picture_.data() +
-            4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x));
-        return (double{rgba[0]} + double{rgba[1]} + double{rgba[2]}) / 3.0;
-    }
-    std::span<const float> picture_;
-    int width_, height_;
-};
-
 } // namespace
-
-std::vector<PixelClass> measured_pixels(std::span<const float> picture, int width, int height, int count,
-                                        std::uint64_t seed) {
-    constexpr std::size_t EDGES = 5; // from this class on, pixels differ much from those around them
-    constexpr int CLASSES = 8;       // each of doubts twice as large as those before it, or more
-    const double least = 0.003 * brightness(picture);
-    const Doubt doubt(picture, width, height);
-    std::vector<double> doubts(picture.size() / 4);
-    oneapi::tbb::parallel_for(0, height, [&](int y) {
-        for (int x = 0; x < width; ++x) {
-            doubts[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
-                doubt(x, y);
-        }
-    });
-    std::array<std::vector<std::pair<std::uint64_t, std::size_t>>, CLASSES> all;
-    std::array<double, CLASSES> sums{};
-    double sum = 0.0;
-    for (std::size_t pixel = 0; pixel < doubts.size(); ++pixel) {
-        const double own = doubts[pixel] + 0.25 * least;
-        const int octave = own < least ? 0 : 1 + std::min(static_cast<int>(std::log2(own / least)), CLASSES - 2);
-        const auto at = static_cast<std::size_t>(octave);
-        all[at].emplace_back(mixed(mixed(mixed(seed) ^ PLACES) ^ pixel), pixel);
-        sums[at] += own;
-        sum += own;
-    }
-    std::vector<PixelClass> out;
-    for (std::size_t i = 0; i < CLASSES; ++i) {
-        if (all[i].empty()) {
-            continue;
-        }
-        PixelClass &own = out.emplace_back();
-        own.count = all[i].size();
-        own.samples = i < EDGES ? SAMPLES : EDGE_SAMPLES;
-        const auto share = static_cast<std::size_t>(std::ceil(count * sums[i] / sum / GROUP)) * GROUP;
-        const std::size_t chosen = std::min(std::max(share, 2 * GROUP), own.count);
-        std::nth_element(all[i].begin(), all[i].begin() + static_cast<std::ptrdiff_t>(chosen - 1), all[i].end());
-        std::sort(all[i].begin(), all[i].begin() + static_cast<std::ptrdiff_t>(chosen));
-        for (std::size_t k = 0; k < chosen; ++k) {
-            own.chosen.push_back(all[i][k].second);
-        }
-    }
-    return out;
-}
 
 void Measured::add(const Measured &earlier) {
     const auto own = static_cast<double>(frames), other = static_cast<double>(earlier.frames), both = own + other;
@@ -234,17 +144,22 @@ Measured Frame::measure(const Camera &camera, int width, int height, std::span<c
     }
     std::vector<PixelClass> classes;
     prepared_->arena.execute([&] { classes = measured_pixels(picture, width, height, pixels, seed); });
-    // Groups of pixels of one class, from anywhere.
-    struct Group {
-        std::size_t of, first, count; // its class, and which of all pixels
-    };
-    std::vector<Group> groups;
-    std::vector<std::size_t> pixels_of_all;
-    for (std::size_t i = 0; i < classes.size(); ++i) {
-        for (std::size_t k = 0; k < classes[i].chosen.size(); k += GROUP) {
-            groups.push_back({i, pixels_of_all.size() + k, std::min(GROUP, classes[i].chosen.size() - k)});
+    std::vector<std::size_t> pixels_of_all; // class by class, what is at edges last
+    std::vector<PixelGroup> groups;
+    int samples = SAMPLES;
+    for (const LightView &light : content_.lighting.views()) {
+        samples = light.samples.size() > 1 ? SOFT_SAMPLES : samples;
+    }
+    for (const PixelClass &own : classes) {
+        const std::size_t first = pixels_of_all.size();
+        pixels_of_all.insert(pixels_of_all.end(), own.chosen.begin(), own.chosen.end());
+        const int count = own.edges ? EDGE_SAMPLES : samples;
+        for (std::size_t at = first; at < pixels_of_all.size(); ++at) {
+            if (groups.empty() || groups.back().samples != count || groups.back().count == GROUP) {
+                groups.push_back({at, 0, count});
+            }
+            ++groups.back().count;
         }
-        pixels_of_all.insert(pixels_of_all.end(), classes[i].chosen.begin(), classes[i].chosen.end());
     }
     std::vector<Found> found(pixels_of_all.size(), Found{});
     const Quantiles quantile(filter);
@@ -252,16 +167,16 @@ Measured Frame::measure(const Camera &camera, int width, int height, std::span<c
     const auto look_at = [&](std::size_t group) {
         const std::span<const std::size_t> own =
             std::span(pixels_of_all).subspan(groups[group].first, groups[group].count);
-        const int count = classes[groups[group].of].samples;
+        const int count = groups[group].samples, every = ASKS_EVERY * count;
         for (int half = 0; half < 2; ++half) {
             const std::uint64_t number = 2 * group + static_cast<std::uint64_t>(half);
             Random random(seed, LIGHTS, number);
             const Lattice<2> points(random);
-            const auto first_step = static_cast<int>(random() * count);
-            std::vector<Lattice<4>> samples; // of each pixel: on the film, and on lights
+            const auto first_step = static_cast<int>(random() * every);
+            std::vector<Lattice<4>> lattices; // of each pixel: on the film, and on lights
             for (const std::size_t pixel : own) {
                 Random each(seed, PIXELS, 2 * pixel + static_cast<std::uint64_t>(half));
-                samples.emplace_back(each);
+                lattices.emplace_back(each);
             }
             for (int k = 0; k < count; ++k) {
                 FrameView frame = seen.frame;
@@ -272,15 +187,15 @@ Measured Frame::measure(const Camera &camera, int width, int height, std::span<c
                     frame.lights = choice.views;
                 }
                 if (maps) {
-                    frame.asks_every = count;
-                    // All steps in turn, far ones after each other.
-                    frame.asks_first = (first_step + 13 * k) % count;
+                    frame.asks_every = every;
+                    // Evenly along the ray, far ones after each other.
+                    frame.asks_first = (first_step + ASKS_EVERY * (13 * k % count)) % every;
                 }
                 const Tracer tracer{*instruction_set_, frame, PICTURE, clock};
                 const auto fill = [&](Packet &packet, std::size_t lane, std::size_t i) {
                     const auto x = static_cast<float>(own[i] % static_cast<std::size_t>(width));
                     const auto y = static_cast<float>(own[i] / static_cast<std::size_t>(width));
-                    const std::array<double, 4> at = samples[i][k];
+                    const std::array<double, 4> at = lattices[i][k];
                     const auto across = static_cast<float>(width), up = static_cast<float>(height);
                     packet.u[lane] = (x + 0.5F + quantile(at[0])) / across;
                     packet.v[lane] = (y + 0.5F + quantile(at[1])) / up;
@@ -311,45 +226,55 @@ Measured Frame::measure(const Camera &camera, int width, int height, std::span<c
         }
     };
     prepared_->arena.execute([&] { oneapi::tbb::parallel_for(std::size_t{0}, groups.size(), look_at); });
-    // Of each class the mean of its groups, and the variance of that.
+    // What both halves find wrong of a pixel, multiplied.
     const double scale = brightness(picture);
-    double squares = 0.0; // of the classes' variances, over their degrees of freedom
-    for (std::size_t first = 0; first < groups.size();) {
-        const std::size_t of = groups[first].of, total = classes[of].chosen.size();
-        std::vector<double> sums;
-        double sum = 0.0;
-        std::size_t end = first;
-        for (; end < groups.size() && groups[end].of == of; ++end) {
-            sums.push_back(0.0);
-            for (std::size_t i = groups[end].first; i < groups[end].first + groups[end].count; ++i) {
-                for (std::size_t c = 0; c < 3; ++c) {
-                    const double value = double{picture[4 * pixels_of_all[i] + c]} / scale;
-                    const auto off = [&](std::size_t half) {
-                        return found[i][half][c] / (classes[of].samples * scale) - value;
-                    };
-                    sums.back() += off(0) * off(1) / 3.0;
-                }
+    std::vector<double> squares;
+    for (const PixelGroup &group : groups) {
+        for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+            double sum = 0.0;
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double value = double{picture[4 * pixels_of_all[i] + c]};
+                const auto off = [&](std::size_t half) { return (found[i][half][c] / group.samples - value) / scale; };
+                sum += off(0) * off(1) / 3.0;
             }
-            sum += sums.back();
+            squares.push_back(sum);
         }
-        const double mean = sum / static_cast<double>(total);
-        double square = 0.0;
-        for (std::size_t g = first; g < end; ++g) {
-            const double away = sums[g - first] - mean * static_cast<double>(groups[g].count);
-            square += away * away;
+    }
+    // Of each class the mean of its pixels, and the variance of that (Neyman 1934).
+    double known = 0.0;
+    std::size_t first = 0;
+    std::vector<double> away_from; // of each pixel, what it adds to the mean's error
+    for (const PixelClass &own : classes) {
+        const std::span<const double> values = std::span(squares).subspan(first, own.chosen.size());
+        first += own.chosen.size();
+        const auto count = static_cast<double>(values.size());
+        const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+        double away = 0.0;
+        for (const double value : values) {
+            away += (value - mean) * (value - mean);
         }
-        const auto count = static_cast<double>(end - first);
-        const double weight = static_cast<double>(classes[of].count) / (static_cast<double>(picture.size()) / 4.0);
-        // Groups of one size but the last: what each is away from what it should be, summed.
-        const double variance = count > 1.0 ? weight * weight * square * count / (count - 1.0) /
-                                                  (static_cast<double>(total) * static_cast<double>(total))
-                                            : weight * weight * mean * mean;
+        const double weight = 4.0 * static_cast<double>(own.count) / static_cast<double>(picture.size());
+        const double variance = weight * weight * (count > 1.0 ? away / (count * (count - 1.0)) : mean * mean);
+        for (const double value : values) {
+            away_from.push_back(weight * (value - mean) / count);
+        }
         out.mean += weight * mean;
         out.variance += variance;
-        squares += variance * variance / std::max(count - 1.0, 1.0);
-        first = end;
+        known += variance * variance / std::max(count - 1.0, 1.0);
     }
-    out.freedom = squares > 0.0 ? out.variance * out.variance / squares : 1.0;
+    out.freedom = known > 0.0 ? out.variance * out.variance / known : 1.0;
+    // What is random about lights is the same for all of a group.
+    double of_groups = 0.0;
+    for (const PixelGroup &group : groups) {
+        const auto begin = away_from.begin() + static_cast<std::ptrdiff_t>(group.first);
+        const double sum = std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(group.count), 0.0);
+        of_groups += sum * sum;
+    }
+    const auto several = static_cast<double>(groups.size());
+    if (several > 1.0 && of_groups * several / (several - 1.0) > out.variance) {
+        out.variance = of_groups * several / (several - 1.0);
+        out.freedom = std::min(out.freedom, several - 1.0);
+    }
     out.pixels = pixels_of_all.size();
     out.frames = 1;
     out.summarise();

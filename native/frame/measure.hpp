@@ -26,16 +26,4 @@ struct Measured {
     void summarise();
 };
 
-// Where a picture may be wrong, by what it shows: pixels that are alike in that, of which some are looked at.
-struct PixelClass {
-    std::size_t count = 0;           // in the picture
-    std::vector<std::size_t> chosen; // their numbers, row by row
-    int samples = 0;                 // of each half of what is asked of a pixel
-};
-
-// At least `count` pixels of a picture RGBA: in each class those whose numbers, mixed with the seed, are lowest. So a
-// picture that hardly differs is looked at in the same places.
-std::vector<PixelClass> measured_pixels(std::span<const float> picture, int width, int height, int count,
-                                        std::uint64_t seed);
-
 } // namespace sfumato
