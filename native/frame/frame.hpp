@@ -39,7 +39,7 @@ public:
                                               const Mist &mist, float least_alpha, const Film &film,
                                               const Progress &progress) const;
 
-    // The error of a picture that render() or passes() made: of `pixels` of it, which `seed` places. measure.cpp.
+    // The error of a picture that render() or passes() made, by about so many of its pixels: frame/measure.cpp.
     [[nodiscard]] Measured measure(const Camera &camera, int width, int height, std::span<const float> picture,
                                    const Filter &filter, int pixels, std::uint64_t seed) const;
 

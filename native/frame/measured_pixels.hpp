@@ -19,8 +19,8 @@ struct PixelClass {
     std::vector<std::size_t> chosen; // their numbers, row by row
 };
 
-// `count` pixels of a picture RGBA or a few more, most where it may be most wrong: in each class those whose numbers,
-// mixed with the seed, are lowest. So a picture that hardly differs is looked at in the same places.
+// About `count` pixels of a picture RGBA, most of them where it may be most wrong, none twice: in each class those
+// whose numbers, mixed with the seed, are lowest. So a picture that hardly differs is looked at in the same places.
 std::vector<PixelClass> measured_pixels(std::span<const float> picture, int width, int height, int count,
                                         std::uint64_t seed);
 

@@ -70,7 +70,7 @@ converged settings, as the root of the mean squared difference of all pixels and
         py::arg("pixels") = 256, py::arg("seed") = 0, py::arg("earlier") = py::none(),
         py::arg("filter") = "blackman_harris", py::arg("filter_width") = Filter{}.width,
         R"(The error of a picture (height, width, 4) that render() or passes() of this frame made, a Measured. At
-`pixels` of it or a few more, which depend on `seed` and the size alone, many samples are followed at fine steps, and
+about so many `pixels` of it, chosen by `seed` and by where it changes most, many samples are followed at fine steps, and
 from a part of these steps, and from surfaces, the way to a random point of each light is marched through the smoke
 instead of being looked up in light maps. What `earlier` frames found, a Measured, is counted with it. filter and
 filter_width are those of passes().
