@@ -248,6 +248,14 @@ def package() -> tuple[Sequence[Row], list[str]]:
     return both()
 
 
+def measured(seed: int = 1) -> tuple[Sequence[Row], list[str]]:
+    """What frames say of their own errors, on scenes drawn from a seed."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_measured import measured as of_seed
+
+    return of_seed(seed)
+
+
 SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "arealights": area_lights,
     "bases": bases,
@@ -257,6 +265,7 @@ SUBJECTS: dict[str, Callable[..., tuple[Sequence[Row], list[str]]]] = {
     "heavy": heavy,
     "lightmaps": light_maps,
     "lights": lights,
+    "measured": measured,
     "oit": transparency,
     "package": package,
     "particles": particles,
@@ -299,10 +308,13 @@ def main() -> None:
     only.add_argument("--case", action="append", help="measure this one; may be given several times")
     only.add_argument("--method", action="append", help="by this one; may be given several times")
     only.add_argument("--against", metavar="COMMIT", help="what the method `before` is")
+    parser.add_argument("--seed", type=int, help="measured alone: what its scenes are drawn from")
     arguments = parser.parse_args()
-    options = {name: value for name in ("case", "method", "against") if (value := getattr(arguments, name))}
-    if options and arguments.name != "heavy":
-        parser.error(f"{arguments.name} has no --{next(iter(options))}")
+    known = {"heavy": ("case", "method", "against"), "measured": ("seed",)}.get(arguments.name, ())
+    every = ("case", "method", "against", "seed")
+    options = {name: value for name in every if (value := getattr(arguments, name)) is not None}
+    if foreign := [name for name in options if name not in known]:
+        parser.error(f"{arguments.name} has no --{foreign[0]}")
     for ending in (signal.SIGINT, signal.SIGTERM):  # what a subject has started ends with it
         signal.signal(ending, signal.default_int_handler)
     try:

@@ -23,8 +23,9 @@ namespace {
 constexpr int SAMPLES = 16, SOFT_SAMPLES = 32, EDGE_SAMPLES = 64;
 constexpr int LOOKS = 4;               // of each at the shadows of solids
 constexpr std::size_t GROUP = 16;      // pixels that share the points on lights
-constexpr double STEPS_PER_CELL = 2.0; // of the march;
-constexpr int ASKS_EVERY = 2;          // of so many of which all samples of a half together ask the lights in one
+constexpr double STEPS_PER_CELL = 2.0; // of the march, at least, and no step of more optical depth than this:
+constexpr double DEEPEST = 0.25, MOST_STEPS = 16.0;
+constexpr int ASKS_EVERY = 2; // in one of so many steps all samples of a half together ask the lights
 
 // What is looked at at once, of one list of pixels.
 struct PixelGroup {
@@ -85,13 +86,26 @@ private:
     std::array<float, STEPS + 1> at_{};
 };
 
+// Light that is not the same at both ends of a step is asked in its middle, which is wrong where smoke is dense.
+double steps_per_cell(std::span<const CroppedMedium> media) {
+    double most = STEPS_PER_CELL;
+    for (const CroppedMedium &medium : media) {
+        if (medium.ramp == nullptr && !medium.grid->density.empty()) {
+            const float densest = *std::max_element(medium.grid->density.begin(), medium.grid->density.end());
+            const double depth = double{densest} * double{medium.strongest()} * medium.cell_size;
+            most = std::max(most, std::min(depth / DEEPEST, MOST_STEPS));
+        }
+    }
+    return most;
+}
+
 // What two halves of the samples find of a pixel, sums of RGB.
 using Found = std::array<std::array<double, 3>, 2>;
 
-// Two-sided, of 97.5 %, of Student's distribution: the first terms of Cornish and Fisher's expansion (Abramowitz and
+// Two-sided, of 95 %, of Student's distribution: the first terms of Cornish and Fisher's expansion (Abramowitz and
 // Stegun 26.7.5).
 double student(double freedom) {
-    constexpr double Z = 2.241403, Z3 = Z * Z * Z, Z5 = Z3 * Z * Z, Z7 = Z5 * Z * Z;
+    constexpr double Z = 1.959964, Z3 = Z * Z * Z, Z5 = Z3 * Z * Z, Z7 = Z5 * Z * Z;
     return Z + (Z3 + Z) / (4.0 * freedom) + (5.0 * Z5 + 16.0 * Z3 + 3.0 * Z) / (96.0 * freedom * freedom) +
            (3.0 * Z7 + 19.0 * Z5 + 17.0 * Z3 - 15.0 * Z) / (384.0 * freedom * freedom * freedom);
 }
@@ -124,7 +138,7 @@ Measured Frame::measure(const Camera &camera, int width, int height, std::span<c
                         const Filter &filter, int pixels, std::uint64_t seed) const {
     const auto start = std::chrono::steady_clock::now();
     Measured out;
-    Views seen = views(camera, width, height, PICTURE, 1.0 / STEPS_PER_CELL);
+    Views seen = views(camera, width, height, PICTURE, 1.0 / steps_per_cell(content_.media));
     see_bounces(camera, false, seen);
     const bool ramped = std::ranges::any_of(content_.media, [](const CroppedMedium &m) { return m.ramp != nullptr; });
     const bool maps = !content_.lighting.bodies().empty() && !ramped;

@@ -83,6 +83,17 @@ inline void media_transmittance(const FrameView &frame, const LightView &light, 
     }
 }
 
+// Where a lamp is asked at one of its points for all of them, those count by what they bring: what is missing at this
+// one, by its share of `whole`, all that a matt surface gets of a radiance of one, over pi. Not inlined: few ask.
+[[gnu::noinline]] inline void weigh_point(const LightView &light, const vec3 &point, const vec3 &normal, Real whole,
+                                          Real through[3]) {
+    const Towards there = towards_place(light, point, broadcast(light.samples.front()), light.area);
+    const Real share = max(dot(normal, there.direction), 0.0F) * there.irradiance * 0.318309886F / max(whole, 1e-20F);
+    for (int c = 0; c < 3; ++c) {
+        through[c] = 1.0F - (1.0F - through[c]) * share;
+    }
+}
+
 // Of a sky's light, one part of what a surface sends to the eye: all of it, were none hidden by solids, past smoke;
 // and, by a few directions, what comes from these and what solids leave of that.
 struct FromSky {
@@ -198,7 +209,8 @@ inline Passing passing(const Between &between, const Surface &surface, const vec
                        Mask wanted) {
     const Mask above = wanted & (dot(surface.normal, towards.direction) > 0.0F);
     const Mask asked = above & (dot(surface.geometric_normal, towards.direction) > 0.0F);
-    const Real visible = pick(asked, unblocked(between.solids, start, towards.direction, towards.distance, asked), pick(above, 0.0F, 1.0F));
+    const Real visible = pick(asked, unblocked(between.solids, start, towards.direction, towards.distance, asked),
+                              pick(above, 0.0F, 1.0F));
     Passing out;
     out.visible = visible;
     if (between.tinted()) {
@@ -607,10 +619,11 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
     for (const LightView &light : frame.lights) {
         shade_diffuse(light, packed);
+        const Real whole_diffuse = Real::load_aligned(packed.diffuse);
         const Mask reached = reached_by(frame.surfaces, light, surface);
         // Where surfaces light each other, rays for that find the sky, too.
         const bool spreads = light.reach.diffuse && !(radiance && frame.bounces.diffuse && light.surrounds());
-        const Real diffuse = spreads ? pick(reached, Real::load_aligned(packed.diffuse), 0.0F) : Real(0.0F);
+        const Real diffuse = spreads ? pick(reached, whole_diffuse, 0.0F) : Real(0.0F);
         Mirrored gloss[MAX_LOBES];
         Mask lit = diffuse > 0.0F;
         const int mirrors = light.reach.gloss ? lobes : 0;
@@ -652,6 +665,9 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
         const bool tinted = between.tinted();
         Real past_hair[3], through[3];
         media_transmittance(frame, light, point, surface.normal, past_hair, through);
+        if (light.finer > 1.0F && light.area > 0.0F && light.samples.size() == 1) {
+            weigh_point(light, point, surface.normal, whole_diffuse, through);
+        }
         const auto left = [&](Real seen, const Passing &passed, int colour) {
             const Real arrives = seen * past_hair[colour];
             return tinted ? arrives * component(passed.tint, colour) : arrives;

@@ -23,6 +23,20 @@ LightMapView exact_map(const ExactRays &rays) {
     return map;
 }
 
+// Of an even sky, what all its parts send together: they follow each other.
+glm::vec3 whole_strength(std::span<const LightView> lights, std::size_t part) {
+    const int octant = lights[part].octant;
+    if (octant < 0) {
+        return lights[part].strength;
+    }
+    glm::vec3 sum(0.0F);
+    const std::size_t first = part - static_cast<std::size_t>(octant);
+    for (std::size_t i = first; i < lights.size() && lights[i].octant == static_cast<int>(i - first); ++i) {
+        sum += lights[i].strength;
+    }
+    return sum;
+}
+
 // Numbers of `count` of some directions, evenly by their shares.
 std::vector<std::size_t> by_shares(std::span<const float> shares, std::size_t count, double u) {
     std::vector<std::size_t> out;
@@ -51,6 +65,7 @@ ExactLights::ExactLights(const Lighting &lighting, std::span<const CroppedMedium
         }
         if (anywhere_) {
             sky.samples = light_samples(view, lighting.bodies(), MOST, false);
+            view.strength = whole_strength(lighting.views(), skies_.size() - 1);
             weigh_sky(view, sky_fluence(view, MOST), sky.shares);
         } else {
             sky.samples.assign(view.samples.begin(), view.samples.end());
