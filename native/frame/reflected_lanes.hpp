@@ -83,11 +83,14 @@ inline void media_transmittance(const FrameView &frame, const LightView &light, 
     }
 }
 
-// Where a lamp is asked at one of its points for all of them, those count by what they bring: what is missing at this
-// one, by its share of `whole`, all that a matt surface gets of a radiance of one, over pi. Not inlined: few ask.
+// Where a lamp, or a sun, is asked at one of its points for all of them, those count by what they bring: what is
+// missing at this one, by its share of `whole`, all that a matt surface gets of a radiance of one, over pi. Not
+// inlined: few ask.
 [[gnu::noinline]] inline void weigh_point(const LightView &light, const vec3 &point, const vec3 &normal, Real whole,
                                           Real through[3]) {
-    const Towards there = towards_place(light, point, broadcast(light.samples.front()), light.area);
+    const vec3 sample = broadcast(light.samples.front());
+    const Towards there = light.parallel() ? Towards{sample, 1e30F, sample_share(light, 0, point)}
+                                           : towards_place(light, point, sample, light.area);
     const Real share = max(dot(normal, there.direction), 0.0F) * there.irradiance * 0.318309886F / max(whole, 1e-20F);
     for (int c = 0; c < 3; ++c) {
         through[c] = 1.0F - (1.0F - through[c]) * share;
@@ -665,7 +668,7 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
         const bool tinted = between.tinted();
         Real past_hair[3], through[3];
         media_transmittance(frame, light, point, surface.normal, past_hair, through);
-        if (light.finer > 1.0F && light.area > 0.0F && light.samples.size() == 1) {
+        if (light.finer > 1.0F && (light.area > 0.0F || light.parallel()) && light.samples.size() == 1) {
             weigh_point(light, point, surface.normal, whole_diffuse, through);
         }
         const auto left = [&](Real seen, const Passing &passed, int colour) {

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 import sfumato
@@ -15,7 +16,7 @@ from progress import step
 CASES = 40
 PIXELS = 256
 # As addon/props.py has them, with as many samples at edges.
-QUALITIES = {
+QUALITIES: dict[str, tuple[dict[str, Any], int]] = {
     "draft": ({"coefficients": 7, "texels_per_cell": 1.0, "steps_per_cell": 0.5, "light_samples": 4}, 4),
     "preview": ({"coefficients": 15, "texels_per_cell": 2.0, "steps_per_cell": 1.0, "light_samples": 16}, 16),
     "final": ({"coefficients": 31, "texels_per_cell": 4.0, "steps_per_cell": 2.0, "light_samples": 36}, 64),

@@ -105,7 +105,7 @@ def case_of(seed: int, number: int) -> Case:
 
 def judged(case: Case, side: int = 3) -> Array:
     """The exact picture, as a box filter sees it through side^2 points of each pixel."""
-    options: dict[str, Any] = {"light_samples_per_axis": 4, "sun_samples_per_axis": 6} if case.soft else {}
+    options: dict[str, Any] = {"light_samples_per_axis": 3, "sun_samples_per_axis": 5} if case.soft else {}
     fine = sfumato.reference.render(
         case.scene, case.camera, case.width * side, case.height * side, step=0.03, **options
     )

@@ -140,4 +140,5 @@ def test_what_is_not_measured_is_named() -> None:
 )
 def test_bad_arguments_are_refused_by_name_and_value(arguments: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        Frame(Scene()).measure(camera(), **{"picture": np.ones((4, 4, 4)), **arguments})
+        wanted: dict[str, Any] = {"picture": np.ones((4, 4, 4)), **arguments}
+        Frame(Scene()).measure(camera(), **wanted)
