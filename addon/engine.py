@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import compat, core, log, passes, props
-from .export import materials, parts, scene
+from .export import exposure, materials, parts, scene
 from .view import rendered
 
 
@@ -33,15 +33,29 @@ class SfumatoEngine(bpy.types.RenderEngine):
         if self.camera_override is None and settings.camera is None:
             self.report({"ERROR"}, "The scene has no camera: add one, or make one active")
             return
+        shutter = exposure.shutter_of(depsgraph)
+        now = settings.frame_current, settings.frame_subframe
+        try:
+            self.render_while_open(depsgraph, shutter)
+        finally:
+            if shutter is not None:
+                self.frame_set(*now)
+
+    def render_while_open(self, depsgraph: Any, shutter: exposure.Shutter | None) -> None:
+        settings = depsgraph.scene
+        layer = depsgraph.view_layer
         try:
             # A farm sees an error, and a status of 1, rather than a picture that lacks its smoke.
             whole = bpy.app.background and props.of(settings).missing_is_error
-            frame = scene.frame_of(depsgraph, "render", parts.of_render(settings), whole, camera=self.camera_override)
+            seen, motion = self.while_open(depsgraph, shutter)
+            frame = scene.frame_of(
+                depsgraph, "render", parts.of_render(settings), whole, camera=self.camera_override, motion=motion
+            )
             log.replace("passes", passes.notices(layer))
             views: list[passes.Images] = []
             for view in self.get_result().views:
                 self.active_view_set(view.name)
-                images = self.images_of(frame, depsgraph)
+                images = self.images_of(frame, depsgraph, seen[view.name], shutter)
                 if images is None:
                     return
                 views.append(images)
@@ -59,19 +73,49 @@ class SfumatoEngine(bpy.types.RenderEngine):
         for name, value in log.metadata(props.of(settings).quality).items():
             written.stamp_data_add_field(name, value)
 
-    def images_of(self, frame: Any, depsgraph: Any) -> passes.Images | None:
-        """The pixels of all passes of the active view, or None where the artist stopped it."""
+    def while_open(
+        self, depsgraph: Any, shutter: exposure.Shutter | None
+    ) -> tuple[dict[str, list[exposure.View]], exposure.Motion | None]:
+        """Where the camera is while the shutter is open, by the views of the picture, and what else moves then. The scene
+        is at the shutter's middle afterwards."""
         settings = depsgraph.scene
         # In a strip of a scene, or for one of several views, it is another camera than the scene's.
-        camera = self.camera_override or settings.camera.evaluated_get(depsgraph)
-        place = np.array(self.camera_model_matrix(camera), dtype=np.float64)
-        place[:3, 3] -= frame.origin
-        view = np.linalg.inv(place)
-        projection = projection_of(camera, self.camera_shift_x(camera), settings.render, depsgraph)
-        window, extent = border_of(settings.render, image_size(settings.render))
+        camera = self.camera_override or settings.camera
+        window, _ = border_of(settings.render, image_size(settings.render))
+
+        def views() -> dict[str, exposure.View]:
+            found = {}
+            for view in self.get_result().views:
+                self.active_view_set(view.name)
+                now = camera.evaluated_get(depsgraph)
+                projection = projection_of(now, self.camera_shift_x(now), settings.render, depsgraph)
+                place = np.array(self.camera_model_matrix(now), dtype=np.float64)
+                found[view.name] = exposure.View(place, window @ projection)
+            return found
+
+        if shutter is None:
+            return {name: [view] for name, view in views().items()}, None
+        count = max((exposure.steps_of(thing) for thing in depsgraph.objects), default=0)
+        times = exposure.over_times(
+            self.frame_set, shutter, max(count, 1), lambda: (views(), exposure.moment_of(depsgraph))
+        )
+        chosen = times if exposure.steps_of(camera) > 0 else times[len(times) // 2 : len(times) // 2 + 1]
+        seen = {name: [found[name] for found, _ in chosen] for name in times[0][0]}
+        return seen, exposure.Motion([moment for _, moment in times]) if count > 0 else None
+
+    def images_of(
+        self, frame: Any, depsgraph: Any, views: list[exposure.View], shutter: exposure.Shutter | None
+    ) -> passes.Images | None:
+        """The pixels of all passes of one of the picture's views, or None where the artist stopped it."""
+        settings = depsgraph.scene
+        camera = (self.camera_override or settings.camera).evaluated_get(depsgraph)
+        _, extent = border_of(settings.render, image_size(settings.render))
+        middle = views[len(views) // 2].place.copy()
+        middle[:3, 3] -= frame.origin
+        view = np.linalg.inv(middle)
         wanted = passes.asked_for(depsgraph.view_layer)
         images: passes.Images | None = frame.passes(
-            core.module().Camera(window @ projection @ view),
+            exposure.of(views, exposure.lens_of(camera), frame.origin, shutter),
             *extent,
             list({each.image for each in wanted}),
             edge_samples=props.QUALITIES[props.of(settings).quality].edge_samples,

@@ -33,18 +33,28 @@ class Triangles:
 
 
 def mesh_of(
-    thing: Any, slots: int, brushed: bool, depsgraph: Any, parts: Parts, wanted: tuple[Channel, ...] = ()
+    thing: Any,
+    slots: int,
+    brushed: bool,
+    depsgraph: Any,
+    parts: Parts,
+    wanted: tuple[Channel, ...] = (),
+    moving: NDArray[np.float32] | None = None,
 ) -> Any | None:
     """The native mesh of an object with so many material slots, with tangents if its gloss is brushed, and with what
-    patterns want of it; None without triangles. Raises ValueError for what cannot be shown."""
+    patterns want of it; `moving`, its vertices at times, (times, n, 3), where they move; None without triangles. Raises
+    ValueError for what cannot be shown."""
 
     def read() -> tuple[Any, ...] | None:
         found = triangles_of(thing, slots, brushed, wanted)
         if found is None:
             return None
-        return found.vertices, found.triangles, found.normals, found.material, found.tangents, found.channels
+        made = (found.vertices, found.triangles, found.normals, found.material, found.tangents, found.channels)
+        if moving is None or moving.shape[1] != len(found.vertices):
+            return made
+        return *made, moving
 
-    owner = owner_of(thing, depsgraph, (slots, brushed, wanted)) if parts.told else None
+    owner = owner_of(thing, depsgraph, (slots, brushed, wanted)) if parts.told and moving is None else None
     return parts.part(read, ("mesh",), core.module().Mesh, owner)
 
 

@@ -19,6 +19,7 @@ from ..limits import MOST_BODIES, MOST_LIGHTS, MOST_MEDIA
 from . import (
     air,
     bounces,
+    exposure,
     fog,
     hair,
     lights,
@@ -47,6 +48,7 @@ class Export:
     missing: list[str] = field(default_factory=list)  # of these, the smoke that should be there
     drawn: set[str] = field(default_factory=set)  # objects whose smoke a viewport draws
     bounced: bool = False  # whether surfaces light each other
+    moving: dict[int, list[NDArray[np.float64]]] = field(default_factory=dict)  # matrices of places that move, at times
 
 
 LATTICE = 256.0  # metres
@@ -144,9 +146,14 @@ def _type_switches() -> tuple[str, ...]:
 
 
 def export(
-    depsgraph: Any, parts: Parts | None = None, space: Any = None, smoke_alone: bool = False, camera: Any = None
+    depsgraph: Any,
+    parts: Parts | None = None,
+    space: Any = None,
+    smoke_alone: bool = False,
+    camera: Any = None,
+    motion: exposure.Motion | None = None,
 ) -> Export:
-    """Everything that `depsgraph` shows, in a 3D view if there is one, with what `parts` has of an earlier export. Where
+    """Everything that `depsgraph` shows, and its `motion`, in a 3D view if there is one, with what `parts` has of an earlier export. Where
     smoke and shadows alone are seen of it there are no notices of what surfaces and the world look like. Raises
     core.Missing without the native module. A render may look through another `camera` than the scene's."""
     parts = parts or Parts()
@@ -183,6 +190,10 @@ def export(
         if not shown[number]:
             continue
         key = _group_key(thing)
+        if motion is not None:
+            moves = motion.of(number, thing, origin)
+            if moves is not None:
+                out.moving[number] = moves
         if key in groups:
             group = groups[key]
             if group is not None:
@@ -215,7 +226,8 @@ def export(
                 media += [(number, thing.name, medium) for medium in bodies]
                 lit += add_flames(out.scene, bodies, flags.reach_of(thing))
             elif thing.type in meshes.SURFACE_TYPES:
-                groups[key] = group = _group_of(thing, depsgraph, parts, looks, out.notices, origin)
+                moving = None if motion is None else motion.vertices_of(thing)
+                groups[key] = group = _group_of(thing, depsgraph, parts, looks, out.notices, origin, moving)
                 if group is not None:
                     group.add(number, instance, flags)
                     if lies_over:
@@ -283,6 +295,10 @@ def export(
     }
     if reflections and not lies_over:
         out.notices += bounces.said(all_looks, out.bounced, unreflected, bool(media))
+    if motion is not None:
+        still = {name: "smoke" for _, name, medium in media} | {each.name: "hair" for _, each in strands}
+        still |= {body.name: "particles" for body in points.bodies}
+        out.notices += exposure.said(still)
     air.add_air(out.scene, depsgraph, origin, space, suns, out.notices)
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:
@@ -298,6 +314,7 @@ def frame_of(
     whole: bool = False,
     space: Any = None,
     camera: Any = None,
+    motion: exposure.Motion | None = None,
 ) -> Any:
     """The native Frame of what `depsgraph` shows, relative to its origin, in a 3D view if there is one, in the scene's
     quality; its notices go to the log under `source`. A render may look through another `camera` than the scene's.
@@ -306,7 +323,7 @@ def frame_of(
     `whole`, ValueError for smoke that is missing.
     """
     parts = parts or Parts()
-    out = export(depsgraph, parts, space, camera=camera)
+    out = export(depsgraph, parts, space, camera=camera, motion=motion)
     log.replace(source, out.notices)
     if whole and out.missing:
         raise ValueError("; ".join(out.missing))
@@ -337,10 +354,16 @@ def _group_key(thing: Any) -> tuple[int, int]:
 
 
 def _group_of(
-    thing: Any, depsgraph: Any, parts: Parts, looks: list[str], notices: list[str], origin: NDArray[np.float64]
+    thing: Any,
+    depsgraph: Any,
+    parts: Parts,
+    looks: list[str],
+    notices: list[str],
+    origin: NDArray[np.float64],
+    moving: NDArray[np.float32] | None,
 ) -> _Group | None:
-    """The surfaces of an object and what fills it, without a place as yet; None where it has neither. Of surfaces is said
-    what they look like."""
+    """The surfaces of an object, whose vertices may be moving, and what fills it, without a place as yet; None where it
+    has neither. Of surfaces is said what they look like."""
     said: list[str] = []
     found = surfaces.surfaces(thing, depsgraph, said, textures.readers(thing.name, parts, said))
     volume = fog.volume_of(thing, depsgraph, notices)
@@ -349,7 +372,7 @@ def _group_of(
     mesh = None
     if found is not None:
         wanted = () if made is None else made.channels
-        mesh = meshes.mesh_of(thing, len(found), brushed(found), depsgraph, parts, wanted)
+        mesh = meshes.mesh_of(thing, len(found), brushed(found), depsgraph, parts, wanted, moving)
     if mesh is None:  # as of what nodes make points of
         found = None
     if found is None and vessel is None:
@@ -438,6 +461,7 @@ def add_surfaces(
             lamp=bool(emitters) and None not in emitters,
             translucence=translucences(group.surfaces),
             sheen=sheens(group.surfaces),
+            moving=_moving(out, [group.places[number] for number in which], matrices)[:, usable],
         )
     except ValueError as error:
         out.notices.append(f"{group.name}: {error}")
@@ -453,6 +477,25 @@ def add_surfaces(
             out.scene.add_polygon(corners, colour, reach=visibility.native(reach))
         return len(known)
     return 0
+
+
+def _moving(out: Export, places: list[int], matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The matrices of places at times, (times, n, 4, 4); of places that stand still no times."""
+    times = max((len(out.moving[place]) for place in places if place in out.moving), default=0)
+    if times == 0:
+        return np.empty((0, len(places), 4, 4))
+    still = [matrices[place] for place in places]
+    return np.stack([at_times(out.moving.get(place, [matrix]), times) for place, matrix in zip(places, still)], axis=1)
+
+
+def at_times(known: list[NDArray[np.float64]], count: int) -> NDArray[np.float64]:
+    """Matrices at even times, (count, 4, 4), of those at fewer."""
+    at = np.linspace(0.0, len(known) - 1, count)
+    first = np.minimum(at.astype(int), max(len(known) - 2, 0))
+    share = (at - first)[:, None, None]
+    each = np.stack(known)
+    mixed: NDArray[np.float64] = (1.0 - share) * each[first] + share * each[np.minimum(first + 1, len(known) - 1)]
+    return mixed
 
 
 def _emitters(

@@ -37,6 +37,7 @@ class Look:
     overlay: bool = False  # over Blender's picture, or by ourselves
     solids_shade: bool = False  # whether that picture shows the shadows of solids; else an overlay adds those too
     sorting: str = sorting.AUTO  # of view/sorting.py
+    lens: tuple[tuple[str, Any], ...] = ()  # at rest: of the camera that is looked through, or of none
 
     @property
     def output(self) -> str:
@@ -55,11 +56,15 @@ class Look:
         return bool(frame.particles or frame.air if self.overlay else frame.sorted)
 
     def moves_to(self, other: Look) -> bool:
-        """Whether only the camera is another."""
-        return self != other and replace(self, matrix=other.matrix) == other
+        """Whether only the camera is another, or its lens."""
+        return self != other and replace(self, matrix=other.matrix, lens=other.lens) == other
 
     def camera(self) -> Any:
         return core.module().Camera(np.reshape(self.matrix, (4, 4)))
+
+    def exposure(self) -> Any:
+        """The camera with its lens."""
+        return core.module().Exposure([self.camera()], **dict(self.lens))
 
 
 @dataclass(frozen=True)
@@ -130,7 +135,7 @@ class Painter:
             drawn = self._drawn_picture(view, frame, look, spacing)
             if drawn is not None:
                 return drawn
-        if look.by_processor(frame):
+        if look.by_processor(frame) or (look.lens and refined is not None):
             # What is sorted is not for every pixel at once: they follow, refined.
             return _processed(frame, look, max(spacing, HALF) if look.sorts(frame) else spacing, refined)
         if spacing > 1 and self.software:

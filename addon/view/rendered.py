@@ -14,11 +14,12 @@ import bpy
 import numpy as np
 
 from .. import log, props
+from ..export import exposure
 from . import refinement
 from .painter import Look, Picture, glance, painter
 
 
-def look_of(context: bpy.types.Context, frame: Any, **kind: bool) -> Look:
+def look_of(context: bpy.types.Context, frame: Any, **kind: Any) -> Look:
     """The view that is being drawn, from the frame's own space. Blender has its place in single precision only: 100 km from
     the origin it is 8 mm off."""
     region, origin = context.region_data, frame.origin
@@ -40,8 +41,8 @@ def picture_of(context: bpy.types.Context, frame: Any, look: Look) -> Picture:
         samples = props.QUALITIES[props.of(context.scene).quality].edge_samples
         if look.by_processor(frame) and look.overlay:
             trace = partial(_every_pixel, frame, look)
-        elif look.by_processor(frame):
-            trace = partial(frame.render, look.camera(), *look.size, samples)
+        elif look.lens or look.by_processor(frame):
+            trace = partial(frame.render, look.exposure(), *look.size, samples)
         else:
             trace = partial(frame.surfaces, look.camera(), *look.size, look.output, samples)
         refinement.ask(view, (frame, look), trace)
@@ -55,11 +56,22 @@ def _every_pixel(frame: Any, look: Look, _progress: refinement.Progress) -> Any:
 
 def draw_rendered(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, frame: Any) -> None:
     """Draw `frame`, a sfumato.Frame, as RenderEngine.view_draw should: scene-linear, Blender transforms it afterwards."""
-    picture = picture_of(context, frame, look_of(context, frame))
+    picture = picture_of(context, frame, look_of(context, frame, lens=lens_of(context, depsgraph)))
     transparent = depsgraph.scene_eval.render.film_transparent
     # An opaque picture needs nothing of what was there.
     blend, least_alpha = ("ALPHA_PREMULT", 0.0) if transparent else ("NONE", 1.0)
     painter().composite(picture.radiance, blend, 1.0, least_alpha, render_region(context))
+
+
+def lens_of(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> tuple[tuple[str, Any], ...]:
+    """Of the camera that the view looks through, as Look has it."""
+    if context.region_data.view_perspective != "CAMERA":
+        return ()
+    space = context.space_data
+    camera = space.camera if space.use_local_camera else context.scene.camera
+    if camera is None or camera.type != "CAMERA":
+        return ()
+    return tuple(exposure.lens_of(camera.evaluated_get(depsgraph)).items())
 
 
 def render_region(context: bpy.types.Context) -> tuple[int, int, int, int] | None:

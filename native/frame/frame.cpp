@@ -8,10 +8,14 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <mutex>
 #include <span>
+#include <tuple>
 #include <utility>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <oneapi/tbb/parallel_for.h>
 
 namespace sfumato {
@@ -132,31 +136,87 @@ void Frame::show_particles(ParticlesView &view) const {
     view.first_body = content_.media.size();
 }
 
-std::optional<Image> Frame::image(const Camera &camera, int width, int height, LayerSet wanted, int edge_samples,
-                                  const Progress &progress) const {
-    Views seen = views(camera, width, height, wanted, step_length_);
-    if (wanted.has(Layer::RADIANCE)) {
-        see_bounces(camera, false, seen);
+Blur Frame::blur_of(const Exposure &exposure, int width, int height, LayerSet wanted, const Film &film,
+                    const FrameView &sharp, std::deque<Views> &sortings) const {
+    constexpr int ROUND = 16, FEWER = 4;
+    // Of what is sorted by where it is in the picture there are so many sortings, which pixels share.
+    constexpr std::size_t SORTINGS = 32;
+    Blur out;
+    out.exposure = exposure;
+    out.exposure.moves = exposure.moves && wanted.has(Layer::RADIANCE) && content_.surfaces->moves();
+    if (out.exposure.sharp()) {
+        return out;
     }
-    const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
-    return prepared_->arena.execute([&] { return traced(tracer, width, height, {edge_samples, {}}, progress); });
+    if (out.exposure.moves) {
+        out.moved = MovedViews(sharp, *content_.surfaces);
+    }
+    const bool sorting = sharp.particles.puffs != nullptr || !sharp.strands.empty();
+    const auto see = [&](int count) {
+        Eyes eyes{count, {}};
+        std::vector<Glimpse> all = eyes_of(exposure, count, narrowed(count));
+        all.resize(sorting ? std::min(SORTINGS, all.size()) : all.size());
+        for (const Glimpse &eye : all) {
+            FrameView view = out.moved.empty() ? sharp : out.moved.at(eye.time);
+            for (std::size_t i = 0; i < 3; ++i) {
+                view.camera[i] = eye.camera.near[i];
+                view.camera[3 + i] = eye.camera.far[i];
+            }
+            if (sorting) {
+                const Views &own = sortings.emplace_back(
+                    views(eye.camera, width, height, wanted, step_length_, film.filter.diameter() / 2.0));
+                view.particles = own.frame.particles;
+                view.strands = own.frame.strands;
+            }
+            eyes.views.push_back(view);
+        }
+        return eyes;
+    };
+    out.many = see(ROUND * std::clamp(film.edge_samples / ROUND, 1, ROUND));
+    out.few = sorting || out.many.count == ROUND ? out.many : see(std::max(out.many.count / FEWER, ROUND));
+    std::tie(out.smoke_begins, out.smoke_ends) = smoke_from(sharp.camera[0]);
+    return out;
 }
 
-std::optional<std::vector<float>> Frame::render(const Camera &camera, int width, int height, int edge_samples,
-                                                const Progress &progress) const {
-    std::optional<Image> picture = image(camera, width, height, PICTURE, edge_samples, progress);
-    return picture ? std::optional(std::move(picture->rgba)) : std::nullopt;
+std::pair<float, float> Frame::smoke_from(const glm::vec3 &eye) const {
+    std::pair<float, float> out(std::numeric_limits<float>::max(), 0.0F);
+    for (const CroppedMedium &medium : media().first(seen_media())) {
+        const glm::dvec3 size(medium.grid->resolution);
+        const glm::dvec3 middle(medium.grid_to_world * glm::dvec4(0.5 * size, 1.0));
+        const glm::dvec3 corner(glm::abs(glm::dmat3(medium.grid_to_world)[0]) * size.x +
+                                glm::abs(glm::dmat3(medium.grid_to_world)[1]) * size.y +
+                                glm::abs(glm::dmat3(medium.grid_to_world)[2]) * size.z);
+        const double away = glm::distance(middle, glm::dvec3(eye)), radius = 0.5 * glm::length(corner);
+        out.first = std::min(out.first, static_cast<float>(std::max(away - radius, 0.0)));
+        out.second = std::max(out.second, static_cast<float>(away + radius));
+    }
+    return out;
 }
 
-std::optional<Image> Frame::passes(const Camera &camera, int width, int height, LayerSet wanted, const Mist &mist,
-                                   float least_alpha, const Film &film, const Progress &progress) const {
+std::optional<Image> Frame::image(const Exposure &exposure, int width, int height, LayerSet wanted, const Film &film,
+                                  const Mist &mist, float least_alpha, const Progress &progress) const {
+    const Camera camera = exposure.middle();
     Views seen = views(camera, width, height, wanted, step_length_, film.filter.diameter() / 2.0);
     seen.frame.mist = mist;
     seen.frame.least_alpha = least_alpha;
-    see_bounces(camera, false, seen);
+    if (wanted.has(Layer::RADIANCE)) {
+        see_bounces(camera, false, seen);
+    }
+    std::deque<Views> sortings;
+    const Blur blur = blur_of(exposure, width, height, wanted, film, seen.frame, sortings);
     const Tracer tracer{*instruction_set_, seen.frame, wanted, *clock_};
+    return prepared_->arena.execute([&] { return traced(tracer, blur, width, height, film, progress); });
+}
+
+std::optional<std::vector<float>> Frame::render(const Exposure &exposure, int width, int height, int edge_samples,
+                                                const Progress &progress) const {
     std::optional<Image> picture =
-        prepared_->arena.execute([&] { return traced(tracer, width, height, film, progress); });
+        image(exposure, width, height, PICTURE, {edge_samples, {}}, {}, FrameView{}.least_alpha, progress);
+    return picture ? std::optional(std::move(picture->rgba)) : std::nullopt;
+}
+
+std::optional<Image> Frame::passes(const Exposure &exposure, int width, int height, LayerSet wanted, const Mist &mist,
+                                   float least_alpha, const Film &film, const Progress &progress) const {
+    std::optional<Image> picture = image(exposure, width, height, wanted, film, mist, least_alpha, progress);
     if (picture) {
         for (PassImage &pass : picture->passes) {
             pass.finish();
@@ -167,7 +227,8 @@ std::optional<Image> Frame::passes(const Camera &camera, int width, int height, 
 
 std::optional<std::vector<float>> Frame::surfaces(const Camera &camera, int width, int height, LayerSet wanted,
                                                   int edge_samples, const Progress &progress) const {
-    std::optional<Image> picture = image(camera, width, height, wanted, edge_samples, progress);
+    std::optional<Image> picture =
+        image(camera, width, height, wanted, {edge_samples, {}}, {}, FrameView{}.least_alpha, progress);
     if (!picture) {
         return std::nullopt;
     }

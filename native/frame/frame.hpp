@@ -2,6 +2,7 @@
 // A frame on the CPU: light maps, surfaces, smoke, film. A stage that the scene does not need does not run.
 #pragma once
 
+#include "frame/blurred.hpp"
 #include "frame/drawn.hpp"
 #include "frame/light_cache.hpp"
 #include "frame/measure.hpp"
@@ -9,13 +10,16 @@
 #include "frame/prepared.hpp"
 #include "frame/stages.hpp"
 #include "media/strands.hpp"
+#include "scene/exposure.hpp"
 #include "scene/scene.hpp"
 #include "text/dispatch.hpp"
 
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace sfumato {
@@ -31,11 +35,11 @@ public:
 
     // Premultiplied RGBA, row 0 at the bottom, filtered as Cycles filters by default. Pixels in which surfaces or
     // their shadows change are sampled `edge_samples` times, the others once. Nothing if progress said stop.
-    [[nodiscard]] std::optional<std::vector<float>> render(const Camera &camera, int width, int height,
+    [[nodiscard]] std::optional<std::vector<float>> render(const Exposure &exposure, int width, int height,
                                                            int edge_samples, const Progress &progress) const;
 
     // The same, and the passes that are asked for beside the PICTURE.
-    [[nodiscard]] std::optional<Image> passes(const Camera &camera, int width, int height, LayerSet wanted,
+    [[nodiscard]] std::optional<Image> passes(const Exposure &exposure, int width, int height, LayerSet wanted,
                                               const Mist &mist, float least_alpha, const Film &film,
                                               const Progress &progress) const;
 
@@ -105,8 +109,14 @@ private:
     void see_strands(const Camera &camera, int width, int height, double reach, Views &views) const;
     // Light that surfaces have of each other: of a view that moves, what is kept of another camera's will do.
     void see_bounces(const Camera &camera, bool moving, Views &views) const;
-    [[nodiscard]] std::optional<Image> image(const Camera &camera, int width, int height, LayerSet wanted,
-                                             int edge_samples, const Progress &progress) const;
+    // What an exposure's eyes see, beside `sharp`, which is what its middle does; `sortings` has what is their own.
+    [[nodiscard]] Blur blur_of(const Exposure &exposure, int width, int height, LayerSet wanted, const Film &film,
+                               const FrameView &sharp, std::deque<Views> &sortings) const;
+    // How far from an eye the smoke that is seen begins and ends.
+    [[nodiscard]] std::pair<float, float> smoke_from(const glm::vec3 &eye) const;
+    [[nodiscard]] std::optional<Image> image(const Exposure &exposure, int width, int height, LayerSet wanted,
+                                             const Film &film, const Mist &mist, float least_alpha,
+                                             const Progress &progress) const;
 
     const InstructionSet *instruction_set_;
     std::shared_ptr<Prepared> prepared_;

@@ -130,6 +130,7 @@ struct Packet {
     // among its neighbours; none where these told already.
     alignas(64) float look_u[MAX_LANES], look_v[MAX_LANES];
     int looks = 4;
+    std::size_t sky_looks = 64; // at most, in which directions solids may hide a sky
     // In air every one of so many samples of a light is followed, from this one on: what makes up a pixel takes turns.
     std::size_t turn = 0, turns = 1;
 };

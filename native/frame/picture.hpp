@@ -90,8 +90,11 @@ struct Image {
     }
 };
 
-// Pixels in which surfaces or their shadows change are sampled as the film has it, the others once. Nothing if progress
-// said stop.
-std::optional<Image> traced(const Tracer &tracer, int width, int height, const Film &film, const Progress &progress);
+struct Blur; // frame/blurred.hpp
+
+// Pixels in which surfaces or their shadows change are sampled as the film has it, those that are blurred from many
+// eyes, the others once. Nothing if progress said stop.
+std::optional<Image> traced(const Tracer &tracer, const Blur &blur, int width, int height, const Film &film,
+                            const Progress &progress);
 
 } // namespace sfumato

@@ -434,7 +434,7 @@ inline PastSolids sky_past_solids(const FrameView &frame, const Packet &packet, 
             }
         }
     };
-    const std::size_t looks = std::max<std::size_t>(light.samples.size() / 4, 1);
+    const std::size_t looks = std::clamp<std::size_t>(light.samples.size() / 4, 1, packet.sky_looks);
     for (const ShadowSample &sample : packet.shadows) {
         const Real u = Real::load_aligned(sample.u), v = Real::load_aligned(sample.v);
         add(beside(surface, start, ray_through(frame, u, v)), Real::load_aligned(sample.light_u),
@@ -668,7 +668,8 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
         const bool tinted = between.tinted();
         Real past_hair[3], through[3];
         media_transmittance(frame, light, point, surface.normal, past_hair, through);
-        if (light.finer > 1.0F && (light.area > 0.0F || light.parallel()) && light.samples.size() == 1) {
+        if (light.finer > 1.0F && (light.area > 0.0F || (light.parallel() && !light.surrounds())) &&
+            light.samples.size() == 1) {
             weigh_point(light, point, surface.normal, whole_diffuse, through);
         }
         const auto left = [&](Real seen, const Passing &passed, int colour) {

@@ -22,6 +22,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace sfumato {
@@ -94,7 +95,8 @@ struct Tracer {
     LayerSet wanted;
     StageClock &clock;
 
-    // fill(packet, lane, number) places each of `count` samples, take(layers, lane, number) has what became of it.
+    // fill(packet, lane, number) places each of `count` samples, take(layers, lane, number) has what became of it; or
+    // take(layers, packet, lane, number).
     // Of each sample, the shadows of solids are looked at `shadow_samples` times where that is not 0: packet.shadows.
     template <typename Fill, typename Take>
     void trace(std::size_t count, const Fill &fill, const Take &take, std::size_t shadow_samples = 0) const {
@@ -122,7 +124,12 @@ struct Tracer {
             }
             run({packets.data(), used}, layers);
             for (std::size_t number = 0; number < left; ++number) {
-                take(layers[number / lanes], number % lanes, first + number);
+                const Layers &own = layers[number / lanes];
+                if constexpr (std::is_invocable_v<Take, const Layers &, const Packet &, std::size_t, std::size_t>) {
+                    take(own, packets[number / lanes], number % lanes, first + number);
+                } else {
+                    take(own, number % lanes, first + number);
+                }
             }
         }
     }

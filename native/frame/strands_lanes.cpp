@@ -123,7 +123,7 @@ vec3 past_solids(const FrameView &frame, const LightView &light, const Shaded &s
     const Real offset = 4e-6F * max(max(abs(p.x), abs(p.y)), abs(p.z)) + 1e-6F;
     if (light.solids.scene != nullptr) {
         typename Rays<LANES>::Ray rays;
-        set_rays(rays, p, towards.direction, offset, towards.distance);
+        set_rays(rays, light.solids, p, towards.direction, offset, towards.distance);
         alignas(64) int valid[LANES];
         valid_lanes(asked, valid);
         Rays<LANES>::occluded(valid, light.solids.scene, false, rays);

@@ -22,7 +22,7 @@ inline void fog_stretches(const FogView &fog, const vec3 &origin, const vec3 &di
         return;
     }
     typename Rays<LANES>::Ray rays;
-    set_rays(rays, origin, direction, 0.0F, std::numeric_limits<float>::infinity());
+    set_rays(rays, fog.scene, origin, direction, 0.0F, std::numeric_limits<float>::infinity());
     std::array<FogRay, LANES> each;
     for (int lane = 0; lane < LANES; ++lane) {
         rays.id[lane] = static_cast<unsigned>(lane);

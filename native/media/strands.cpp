@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "media/strands.hpp"
 
+#include "scene/places_in_picture.hpp"
 #include "scene/scene.hpp"
 #include "text/strands_text.hpp"
 
@@ -17,54 +18,9 @@ namespace {
 
 using StrandsText = text::StrandsText<float>;
 
-// Where places in the world are in a picture, of a camera whose near and far planes are parallel.
-class Picture {
-public:
-    Picture(const Camera &camera, int width, int height)
-        : near_(camera.near[0]), across_(camera.near[1]), up_(camera.near[2]),
-          along_(glm::dvec3(camera.far[0]) - near_), along_u_(glm::dvec3(camera.far[1]) - across_),
-          along_v_(glm::dvec3(camera.far[2]) - up_), normal_(glm::cross(across_, up_)), size_(width, height),
-          growth_(glm::dot(along_u_, across_) / glm::dot(across_, across_)) {
-        per_depth_ = 1.0 / glm::dot(along_, normal_);
-        const double area = glm::dot(normal_, normal_);
-        dual_u_ = glm::cross(up_, normal_) / area;
-        dual_v_ = glm::cross(normal_, across_) / area;
-        pixel_ = {glm::length(across_) / size_.x, glm::length(up_) / size_.y};
-    }
-
-    struct Place {
-        glm::dvec2 pixel{0.0};
-        double depth = 0.0;    // the size of a pixel there over that on the near plane; 0 at the eye
-        double distance = 0.0; // from the near plane along the camera's ray, metres
-    };
-
-    // Share of the way from the near plane to the far one.
-    [[nodiscard]] double along(const glm::dvec3 &world) const { return glm::dot(world - near_, normal_) * per_depth_; }
-    // Of what lies before the eye.
-    [[nodiscard]] Place place(const glm::dvec3 &world) const {
-        const double t = along(world);
-        Place out;
-        out.depth = 1.0 + t * growth_;
-        const glm::dvec3 aside = (world - near_ - t * along_) / out.depth;
-        const glm::dvec2 uv(glm::dot(aside, dual_u_), glm::dot(aside, dual_v_));
-        out.pixel = uv * size_;
-        out.distance = t * glm::length(along_ + uv.x * along_u_ + uv.y * along_v_);
-        return out;
-    }
-    // Pixels of a length across a direction in the picture.
-    [[nodiscard]] double pixels(double metres, const glm::dvec2 &across, double depth) const {
-        return metres / (depth * std::hypot(across.x * pixel_.x, across.y * pixel_.y));
-    }
-
-private:
-    glm::dvec3 near_, across_, up_, along_, along_u_, along_v_, normal_, dual_u_, dual_v_;
-    glm::dvec2 size_, pixel_;
-    double growth_, per_depth_;
-};
-
 struct Vertex {
     StrandPoint point;
-    Picture::Place place;
+    PlacesInPicture::Place place;
 };
 
 void copy(const glm::dvec2 &v, float (&to)[2]) {
@@ -81,7 +37,7 @@ void copy(const glm::dvec3 &v, float (&to)[3]) {
 // One strand after another of a run of them.
 class Cutter {
 public:
-    Cutter(const Picture &picture, std::vector<StrandSegment> &out) : picture_(picture), out_(out) {}
+    Cutter(const PlacesInPicture &picture, std::vector<StrandSegment> &out) : picture_(picture), out_(out) {}
 
     void cut(const StrandShape &shape, std::size_t strand, std::int32_t material) {
         straight_ = !shape.smooth;
@@ -191,7 +147,7 @@ private:
         copy(normal, after.from_joint);
     }
 
-    const Picture &picture_;
+    const PlacesInPicture &picture_;
     std::vector<StrandSegment> &out_;
     std::vector<StrandPoint> points_;
     std::vector<Vertex> vertices_;
@@ -271,7 +227,7 @@ SeenStrands seen_strands(std::span<const Strands> strands, const Camera &camera,
     SeenStrands out;
     out.width = static_cast<float>(width);
     out.height = static_cast<float>(height);
-    const Picture picture(camera, width, height);
+    const PlacesInPicture picture(camera, width, height);
     // Runs of strands, cut one beside the other.
     constexpr std::size_t RUN = 512;
     struct Run {

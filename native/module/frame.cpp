@@ -87,7 +87,7 @@ py::object image_of(int width, int height, const Work &work) {
     return image ? py::object(to_numpy(std::move(*image), {height, width, 4})) : py::none();
 }
 
-py::object render(const Frame &frame, const Camera &camera, int width, int height, int edge_samples,
+py::object render(const Frame &frame, const Exposure &camera, int width, int height, int edge_samples,
                   const PythonProgress &progress) {
     require_size(width, height);
     require_range(edge_samples, 1, 1024, "edge_samples");
@@ -108,7 +108,7 @@ Mist mist_of(const std::optional<Floats> &given, const Floats &eye, const Floats
     return mist;
 }
 
-py::object passes(const Frame &frame, const Camera &camera, int width, int height,
+py::object passes(const Frame &frame, const Exposure &camera, int width, int height,
                   const std::vector<std::string> &names, int edge_samples, const PythonProgress &progress,
                   const std::optional<Floats> &mist, const Floats &eye, const Floats &axis, const std::string &filter,
                   float filter_width, float least_alpha) {
@@ -335,7 +335,8 @@ the resolution along its longer side of what throws shadows in the world's air, 
              py::arg("progress") = py::none(),
              R"(The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom.
 
-edge_samples are taken where surfaces or their shadows change, one elsewhere. progress(done) is called with the
+edge_samples are taken where surfaces or their shadows change, one elsewhere; of what an Exposure blurs up to four times
+as many, 16 at least. progress(done) is called with the
 share of the work that is done, by the thread that called; when it returns False the result is None.
 
 >>> import numpy as np

@@ -83,6 +83,7 @@ True
     bind_visibility(m);
     bind_sky(m);
     bind_scene(m);
+    bind_exposure(m);
     bind_shafts(m);
     bind_reference(m);
     bind_frame_parts(m);

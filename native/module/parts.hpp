@@ -9,6 +9,7 @@ namespace sfumato {
 void bind_airlight(pybind11::module_ &m);
 void bind_area_light(pybind11::module_ &m);
 void bind_basis(pybind11::module_ &m);
+void bind_exposure(pybind11::module_ &m);
 void bind_frame(pybind11::module_ &m);
 void bind_frame_parts(pybind11::module_ &m);
 void bind_map(pybind11::module_ &m);

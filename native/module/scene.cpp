@@ -40,7 +40,7 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
                    const std::optional<Doubles> &material_index, const std::optional<Visibility> &visibility,
                    const std::optional<Floats> &transmittance, const py::list &patterns,
                    const std::optional<Floats> &values, const std::optional<Floats> &translucence,
-                   const std::optional<Floats> &sheen, bool lamp) {
+                   const std::optional<Floats> &sheen, bool lamp, const py::sequence &moving) {
     Instances out;
     out.lamp = lamp;
     out.visibility = visibility.value_or(Visibility{});
@@ -52,6 +52,7 @@ void add_instances(ConsoleScene &scene, const CheckedMesh &mesh, const Doubles &
                               text(mesh.materials) + " materials");
     }
     out.to_world = places(to_world);
+    out.moving = moving_places(moving, out.to_world.size());
     out.index = numbers(object_index, out.to_world.size(), "object_index");
     out.materials.index = numbers(material_index, out.materials.albedo.size(), "material_index");
     if (values) {
@@ -484,7 +485,7 @@ Raises ValueError for wrong shapes, indices out of range and values that are not
              py::arg("object_index") = py::none(), py::arg("material_index") = py::none(),
              py::arg("visibility") = py::none(), py::arg("transmittance") = py::none(),
              py::arg("patterns") = py::list(), py::arg("values") = py::none(), py::arg("translucence") = py::none(),
-             py::arg("sheen") = py::none(), py::arg("lamp") = false,
+             py::arg("sheen") = py::none(), py::arg("lamp") = false, py::arg("moving") = py::tuple(),
              R"(Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
 world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of add_mesh, a row for
 each material that the mesh names. object_index (n,), a number for each place, and material_index (k,) are what Frame.passes
@@ -494,7 +495,8 @@ what it leaves. values (n, j) are what they ask for of each place. translucence 
 the other side that leaves diffusely on this one. sheen (k, 5), what fibres add: a colour; 5 for Burley's (2012), 6 for
 Ashikhmin's velvet (2000), 7 for Zeltner, Burley and Chiang's (2022), of which all that comes leaves in the end where the
 colour is white; and a roughness in [0, 1]. lamp: what it emits is
-among the lights, too, so light that goes between surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh
+among the lights, too, so light that goes between surfaces (set_bounces) leaves it to these. moving: places as to_world
+has them, at even times while the shutter of an Exposure is open, an odd number of them. Raises ValueError as add_mesh
 does, and for too few rows.
 
 >>> import numpy as np

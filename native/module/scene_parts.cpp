@@ -134,6 +134,13 @@ std::vector<std::uint32_t> any_indices(const py::array &array, py::ssize_t count
     return {first, first + given.size()};
 }
 
+// Of what moves the middle is one of the times.
+void require_odd(const py::sequence &moving) {
+    if (moving.size() > 0 && (moving.size() < 3 || moving.size() % 2 == 0)) {
+        throw py::value_error("moving has " + text(moving.size()) + " times, but must have an odd number, 3 or more");
+    }
+}
+
 // 128 bits that differ wherever the arrays' types, shapes or bytes do.
 py::bytes content_hash(const py::args &arrays) {
     XXH3_state_t *const state = XXH3_createState();
@@ -160,7 +167,8 @@ py::bytes content_hash(const py::args &arrays) {
 
 CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_given,
                          const std::optional<Floats> &normals, const std::optional<py::object> &material_given,
-                         const std::optional<Floats> &tangents, const std::optional<Floats> &channels) {
+                         const std::optional<Floats> &tangents, const std::optional<Floats> &channels,
+                         const py::sequence &moving) {
     const py::array triangles = any_array(triangles_given, "triangles");
     require_shape(vertices, {-1, 3}, "vertices");
     require_shape(triangles, {-1, 3}, "triangles");
@@ -168,6 +176,13 @@ CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_giv
     const py::ssize_t count = triangles.shape(0);
     auto shape = std::make_shared<Shape>();
     vectors(vertices, shape->vertices);
+    require_odd(moving);
+    for (const py::handle &time : moving) {
+        const auto given = py::cast<Floats>(time);
+        require_shape(given, {vertices.shape(0), 3}, "moving");
+        require_finite(given, "moving");
+        vectors(given, shape->moving.emplace_back());
+    }
     const std::vector<std::uint32_t> all = any_indices(triangles, vertices.shape(0), "triangles");
     const auto *first = reinterpret_cast<const glm::uvec3 *>(all.data());
     shape->triangles.assign(first, first + count);
@@ -208,6 +223,19 @@ CheckedMesh checked_mesh(const Floats &vertices, const py::object &triangles_giv
     }
     mesh.shape = std::move(shape);
     return mesh;
+}
+
+std::vector<std::vector<glm::mat4>> moving_places(const py::sequence &moving, std::size_t count) {
+    require_odd(moving);
+    std::vector<std::vector<glm::mat4>> out;
+    for (const py::handle &time : moving) {
+        out.push_back(places(py::cast<Doubles>(time)));
+        if (out.back().size() != count) {
+            throw py::value_error("moving has " + text(out.back().size()) + " places at one time, but there are " +
+                                  text(count));
+        }
+    }
+    return out;
 }
 
 Materials checked_materials(const Floats &albedo, const std::optional<Floats> &gloss,
@@ -370,14 +398,16 @@ void bind_scene_parts(py::module_ &m) {
 vertices (n, 3); triangles (m, 3), indices into vertices; normals, unit length: one for each vertex (n, 3) or one for
 each corner (m, 3, 3), and without any, flat faces whose front is the side from which their corners run counterclockwise;
 material (m,), a row of what the object's materials are, the first without it; tangents (m, 3, 3), the directions of
-brushed gloss at the corners; channels (m, 3, k), numbers at the corners that patterns ask for. A Frame keeps what it makes of a Mesh in its Prepared: add the same one again and nothing
+brushed gloss at the corners; channels (m, 3, k), numbers at the corners that patterns ask for; moving, vertices at even
+times while the shutter of an Exposure is open, an odd number of them. A Frame keeps what it makes of a Mesh in its Prepared: add the same one again and nothing
 is built twice. Raises ValueError for wrong shapes, indices out of range and values that are not finite.
 
 >>> Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).triangles
 1
 )")
         .def(py::init(&checked_mesh), py::arg("vertices"), py::arg("triangles"), py::arg("normals") = py::none(),
-             py::arg("material") = py::none(), py::arg("tangents") = py::none(), py::arg("channels") = py::none())
+             py::arg("material") = py::none(), py::arg("tangents") = py::none(), py::arg("channels") = py::none(),
+             py::arg("moving") = py::tuple())
         .def_property_readonly(
             "triangles", [](const CheckedMesh &mesh) { return mesh.shape->triangles.size(); }, "How many there are.");
     m.def(

@@ -24,7 +24,8 @@ CheckedMesh checked_mesh(const arguments::Floats &vertices, const arguments::py:
                          const std::optional<arguments::Floats> &normals,
                          const std::optional<arguments::py::object> &material,
                          const std::optional<arguments::Floats> &tangents,
-                         const std::optional<arguments::Floats> &channels = std::nullopt);
+                         const std::optional<arguments::Floats> &channels = std::nullopt,
+                         const arguments::py::sequence &moving = arguments::py::tuple());
 
 // Raises ValueError where a pattern asks for more than there is.
 void require_inputs(const Pattern &pattern, const Shape &shape, std::size_t values);
@@ -87,5 +88,7 @@ void add_fog(ConsoleScene &scene, const CheckedMesh &mesh, const arguments::Doub
 
 // Matrices (4, 4) or (n, 4, 4).
 std::vector<glm::mat4> places(const arguments::Doubles &to_world);
+// Of `count` places, at an odd number of times; or none.
+std::vector<std::vector<glm::mat4>> moving_places(const arguments::py::sequence &moving, std::size_t count);
 
 } // namespace sfumato

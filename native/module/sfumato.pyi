@@ -14,6 +14,22 @@ class Camera:
     def corners(self) -> NDArray[numpy.float32]:
         """(6, 3): near0, near_u, near_v, far0, far_u, far_v of shaders/camera.glsl."""
 
+class Exposure:
+    """What a picture is taken with, where a Camera alone would be sharp and still."""
+
+    def __init__(
+        self,
+        cameras: Sequence[Camera],
+        lens_radius: float = 0.0,
+        focus: float = 1.0,
+        near: float = 0.0,
+        blades: int = 0,
+        rotation: float = 0.0,
+        ratio: float = 1.0,
+        shutter: Sequence[float] = [],
+    ) -> None:
+        """2. __init__(self: sfumato.Exposure, camera: sfumato.Camera) -> None"""
+
 class Frame:
     """Everything about a scene that does not depend on the camera, computed once."""
 
@@ -97,7 +113,7 @@ class Frame:
         """Whether the camera sees any particles."""
     def passes(
         self,
-        camera: Camera,
+        camera: Exposure | Camera,
         width: int,
         height: int,
         names: Sequence[str],
@@ -122,7 +138,7 @@ class Frame:
         """
     def render(
         self,
-        camera: Camera,
+        camera: Exposure | Camera,
         width: int,
         height: int,
         edge_samples: int = 16,
@@ -351,6 +367,7 @@ class Mesh:
         material: ArrayLike | None = None,
         tangents: ArrayLike | None = None,
         channels: ArrayLike | None = None,
+        moving: ArrayLike = (),
     ) -> None: ...
     @property
     def triangles(self) -> int:
@@ -515,6 +532,7 @@ class Scene:
         translucence: ArrayLike | None = None,
         sheen: ArrayLike | None = None,
         lamp: bool = False,
+        moving: ArrayLike = (),
     ) -> None:
         """Add a Mesh in one place, to_world (4, 4), or in many, (n, 4, 4): from its own space to metres in the
         world. albedo (k, 3), gloss, emission (k, 3), diffuse (k, 2) and transmittance (k, 3) are those of
@@ -526,8 +544,9 @@ class Scene:
         leaves diffusely on this one. sheen (k, 5), what fibres add: a colour; 5 for Burley's (2012), 6 for
         Ashikhmin's velvet (2000), 7 for Zeltner, Burley and Chiang's (2022), of which all that comes leaves in
         the end where the colour is white; and a roughness in [0, 1]. lamp: what it emits is among the lights,
-        too, so light that goes between surfaces (set_bounces) leaves it to these. Raises ValueError as add_mesh
-        does, and for too few rows.
+        too, so light that goes between surfaces (set_bounces) leaves it to these. moving: places as to_world has
+        them, at even times while the shutter of an Exposure is open, an odd number of them. Raises ValueError as
+        add_mesh does, and for too few rows.
         """
     def add_medium(
         self,

@@ -26,6 +26,7 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 """
 WIDTH = 120
+_TAKEN_FOR = {"Exposure": "Exposure | Camera", "sequence": "ArrayLike"}  # what arguments of a type may be, too
 
 
 def python_type(text: str, argument: bool) -> str:
@@ -46,6 +47,8 @@ def python_type(text: str, argument: bool) -> str:
         return f"Sequence[{python_type(inner, argument)}]"
     if text == "object":
         return "ArrayLike" if argument else "Any"
+    if argument and text in _TAKEN_FOR:
+        return _TAKEN_FOR[text]
     return {"list": "list[Any]", "tuple": "tuple[Any, ...]"}.get(text, text)
 
 

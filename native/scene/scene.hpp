@@ -84,6 +84,9 @@ struct Shape {
     // What patterns ask for: so many numbers for each corner of each triangle, interpolated between.
     std::uint32_t channel_count = 0;
     std::vector<float> channels;
+    // The vertices at even times from the shutter's opening to its closing, an odd number of them; or none: they rest.
+    // Normals and all else are those of the middle.
+    std::vector<std::vector<glm::vec3>> moving;
 };
 
 // How the triangles of an object reflect, diffusely and with gloss: a row for each of its materials.
@@ -117,6 +120,8 @@ struct Instances {
     std::vector<float> values;
     Visibility visibility;
     bool lamp = false; // whether lights stand for what it emits, too
+    // Places at even times, as Shape has its vertices; or none.
+    std::vector<std::vector<glm::mat4>> moving;
 
     Instances() = default;
     Instances(Mesh mesh) // NOLINT(google-explicit-constructor): a mesh is an object in one place

@@ -21,7 +21,7 @@ inline void all_hits(const PlaceView *places, const RayScene &among, const vec3 
         return;
     }
     typename Rays<LANES>::Ray rays;
-    set_rays(rays, origin, direction, 0.0F, far);
+    set_rays(rays, among, origin, direction, 0.0F, far);
     for (int lane = 0; lane < LANES; ++lane) {
         rays.id[lane] = static_cast<unsigned>(lane);
     }

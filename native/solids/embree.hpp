@@ -103,6 +103,7 @@ inline float first_hit(RTCScene scene, const glm::vec3 &origin, const glm::vec3 
     ray.ray.dir_z = direction.z;
     ray.ray.tfar = INFINITE;
     ray.ray.mask = 0xFFFFFFFFU;
+    ray.ray.time = 0.5F; // the shutter's middle
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 #if RTC_VERSION_MAJOR >= 4
     rtcIntersect1(scene, &ray, nullptr);

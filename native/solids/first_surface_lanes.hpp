@@ -287,7 +287,7 @@ inline Surface first_surface(const SurfaceView &view, const RayScene &among,
     }
     typename Rays<LANES>::RayHit rays;
     // A surface in the far plane itself is seen: the boxes around it may round to either side of it.
-    set_rays(rays.ray, ray.origin, ray.direction, 0.0F, ray.reach * 1.000001F);
+    set_rays(rays.ray, among, ray.origin, ray.direction, 0.0F, ray.reach * 1.000001F);
     for (int lane = 0; lane < LANES; ++lane) {
         rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
         rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;

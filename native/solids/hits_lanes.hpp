@@ -3,6 +3,7 @@
 #pragma once
 
 #include "solids/embree.hpp"
+#include "solids/ray_scene.hpp"
 #include "solids/surface_view.hpp"
 #include "text/lanes.hpp"
 
@@ -24,7 +25,7 @@ inline void valid_lanes(Mask mask, int *valid) {
 }
 
 template <typename R>
-void set_rays(R &rays, const vec3 &origin, const vec3 &direction, Real near_t, Real far_t) {
+void set_rays(R &rays, const RayScene &among, const vec3 &origin, const vec3 &direction, Real near_t, Real far_t) {
     origin.x.store_aligned(rays.org_x);
     origin.y.store_aligned(rays.org_y);
     origin.z.store_aligned(rays.org_z);
@@ -35,7 +36,7 @@ void set_rays(R &rays, const vec3 &origin, const vec3 &direction, Real near_t, R
     far_t.store_aligned(rays.tfar);
     for (int lane = 0; lane < LANES; ++lane) {
         rays.mask[lane] = 0xFFFFFFFFU;
-        rays.time[lane] = 0.0F;
+        rays.time[lane] = among.time;
         rays.id[lane] = 0;
         rays.flags[lane] = 0;
     }
@@ -47,7 +48,7 @@ inline Real unblocked(const RayScene &solids, const vec3 &point, const vec3 &dir
         return 1.0F;
     }
     typename Rays<LANES>::Ray rays;
-    set_rays(rays, point, direction, 0.0F, distance);
+    set_rays(rays, solids, point, direction, 0.0F, distance);
     alignas(64) int valid[LANES];
     valid_lanes(asked, valid);
     Rays<LANES>::occluded(valid, solids.scene, !solids.instanced, rays);

@@ -33,6 +33,7 @@ Shape part_of(const Shape &shape, const std::vector<bool> &clear, bool wanted) {
     Shape part;
     part.vertices = shape.vertices;
     part.vertex_normals = shape.vertex_normals;
+    part.moving = shape.moving;
     const auto chosen = [&](const auto &from, auto &to) {
         for (std::size_t i = 0; i < from.size(); ++i) {
             if (is_clear(shape, clear, i) == wanted) {

@@ -135,9 +135,19 @@ void copy_to_world(const Shape &shape, const glm::dmat4 &to_world, RTCGeometry g
                                sizeof(glm::uvec3), shape.triangles.size());
 }
 
+bool is_moving(const Instances &mesh) {
+    return !mesh.moving.empty() || !mesh.shape->moving.empty();
+}
+
 bool is_instanced(const Instances &mesh) {
     constexpr std::size_t FEW = 20000; // triangles: a few milliseconds to copy
-    return mesh.to_world.size() > 1 || mesh.shape->triangles.size() > FEW;
+    return mesh.to_world.size() > 1 || mesh.shape->triangles.size() > FEW || is_moving(mesh);
+}
+
+void set_matrix(const glm::mat4 &to_world, PlaceView &view) {
+    const glm::dmat3 linear = glm::dmat3(glm::dmat4(to_world));
+    copy_columns(linear, view.to_world);
+    copy_columns(cofactors(linear), view.normals_to_world);
 }
 
 bool stands(const Instances &mesh) {
@@ -158,23 +168,32 @@ PlaceView view_of(const Shape &shape, const glm::mat4 &to_world, std::int32_t fi
     view.channels = shape.channels.empty() ? nullptr : shape.channels.data();
     view.channel_count = shape.channel_count;
     view.first_material = first_material;
-    const glm::dmat3 linear = glm::dmat3(glm::dmat4(to_world));
-    copy_columns(linear, view.to_world);
-    copy_columns(cofactors(linear), view.normals_to_world);
+    set_matrix(to_world, view);
     return view;
 }
 
 Solid::Solid(RTCDevice device, std::shared_ptr<const Shape> shape, bool sheet) : shape_(std::move(shape)) {
-    const std::vector<glm::vec3> *vertices = &shape_->vertices;
-    if (vertices->capacity() == vertices->size()) {
-        // Embree loads sixteen bytes for the last vertex, too.
-        padded_.reserve(vertices->size() + 1);
-        padded_.assign(vertices->begin(), vertices->end());
-        vertices = &padded_;
-    }
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices->data(), 0,
-                               sizeof(glm::vec3), vertices->size());
+    const auto set_vertices = [&](const std::vector<glm::vec3> &own, std::size_t time) {
+        const std::vector<glm::vec3> *vertices = &own;
+        if (own.capacity() == own.size()) {
+            // Embree loads sixteen bytes for the last vertex, too.
+            std::vector<glm::vec3> &padded = padded_.emplace_back();
+            padded.reserve(own.size() + 1);
+            padded.assign(own.begin(), own.end());
+            vertices = &padded;
+        }
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(time), RTC_FORMAT_FLOAT3,
+                                   vertices->data(), 0, sizeof(glm::vec3), own.size());
+    };
+    if (shape_->moving.empty()) {
+        set_vertices(shape_->vertices, 0);
+    } else {
+        rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(shape_->moving.size()));
+        for (std::size_t time = 0; time < shape_->moving.size(); ++time) {
+            set_vertices(shape_->moving[time], time);
+        }
+    }
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, shape_->triangles.data(), 0,
                                sizeof(glm::uvec3), shape_->triangles.size());
     // A tree along a curve instead of one by surface areas saves .3 us a triangle and costs .3 us a pixel, a sixth of
@@ -227,6 +246,9 @@ std::shared_ptr<const Places> Solids::places(const Divided &all, const std::vect
     for (const auto &[mesh, sheet, first] : standing) {
         key.part(mesh->shape).number(first).number(sheet);
         key.numbers(std::span(&mesh->to_world.front()[0].x, 16 * mesh->to_world.size()));
+        for (const std::vector<glm::mat4> &time : mesh->moving) {
+            key.numbers(std::span(&time.front()[0].x, 16 * time.size()));
+        }
         sheets = sheets || sheet;
         if (is_instanced(*mesh)) {
             solid(mesh->shape, sheet); // asked for in this round too, though the places may be known
@@ -250,14 +272,20 @@ void Solids::attach(const Instances &mesh, bool sheet, Places &places, unsigned 
     places.instanced = places.instanced || instanced;
     const std::shared_ptr<const Solid> what = instanced ? solid(mesh.shape, sheet) : nullptr;
     places.kept.push_back(what ? std::shared_ptr<const void>(what) : mesh.shape);
-    for (const glm::mat4 &to_world : mesh.to_world) {
+    for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
         const RTCGeometry place =
             rtcNewGeometry(device_.get(), instanced ? RTC_GEOMETRY_TYPE_INSTANCE : RTC_GEOMETRY_TYPE_TRIANGLE);
         if (instanced) {
             rtcSetGeometryInstancedScene(place, what->scene());
-            rtcSetGeometryTransform(place, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0].x);
+            const std::size_t times = std::max(mesh.moving.size(), std::size_t{1});
+            rtcSetGeometryTimeStepCount(place, static_cast<unsigned>(times));
+            for (std::size_t time = 0; time < times; ++time) {
+                const glm::mat4 &to_world = mesh.moving.empty() ? mesh.to_world[i] : mesh.moving[time][i];
+                rtcSetGeometryTransform(place, static_cast<unsigned>(time), RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
+                                        &to_world[0].x);
+            }
         } else {
-            copy_to_world(*mesh.shape, glm::dmat4(to_world), place);
+            copy_to_world(*mesh.shape, glm::dmat4(mesh.to_world[i]), place);
         }
         rtcCommitGeometry(place);
         rtcAttachGeometryByID(places.scene.get(), place, number++);
@@ -334,7 +362,11 @@ Surfaces::Surfaces(std::span<const Instances> scene, std::span<const Light> ligh
         more_ = more_ || !mesh.materials.translucence.empty() || !mesh.materials.sheen.empty();
         tangents_ = tangents_ || !mesh.shape->corner_tangents.empty();
         values_.push_back(mesh.values);
+        moves_ = moves_ || is_moving(mesh);
         for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
+            for (const std::vector<glm::mat4> &time : mesh.moving) {
+                moving_[views_.size()].push_back(time[i]);
+            }
             if (sheet) {
                 sheet_places_.push_back({mesh.shape, mesh.to_world[i], static_cast<std::uint32_t>(views_.size()),
                                          static_cast<std::uint32_t>(first_material)});
@@ -409,6 +441,17 @@ SurfaceView Surfaces::view() const {
             tangents_,
             varying_.empty() ? nullptr : varying_.data(),
             more_};
+}
+
+std::vector<PlaceView> Surfaces::places_at(float time) const {
+    std::vector<PlaceView> out = views_;
+    for (const auto &[number, matrices] : moving_) {
+        const float place = time * static_cast<float>(matrices.size() - 1);
+        const std::size_t from = std::min(static_cast<std::size_t>(place), matrices.size() - 2);
+        const float beyond = place - static_cast<float>(from);
+        set_matrix(matrices[from] * (1.0F - beyond) + matrices[from + 1] * beyond, out[number]);
+    }
+    return out;
 }
 
 std::optional<Box> Surfaces::bounds() const {

@@ -41,8 +41,8 @@ public:
     [[nodiscard]] const Shape &shape() const { return *shape_; }
 
 private:
-    std::shared_ptr<const Shape> shape_; // whose arrays Embree reads
-    std::vector<glm::vec3> padded_;      // its vertices, where Embree cannot read past the end of the shape's own
+    std::shared_ptr<const Shape> shape_;         // whose arrays Embree reads
+    std::vector<std::vector<glm::vec3>> padded_; // vertices, where Embree cannot read past the end of the shape's own
     EmbreeScene scene_;
 };
 
@@ -103,6 +103,9 @@ public:
     Surfaces(std::span<const Instances> meshes, std::span<const Light> lights, Solids &solids);
 
     [[nodiscard]] SurfaceView view() const;
+    // Whether any place or shape is elsewhere while the shutter is open, and the views of all places at such a time.
+    [[nodiscard]] bool moves() const { return moves_; }
+    [[nodiscard]] std::vector<PlaceView> places_at(float time) const;
     // Whether none that the camera sees is a holdout or a catcher; whether it sees any sheet.
     [[nodiscard]] bool opaque() const { return opaque_; }
     [[nodiscard]] bool sheets() const { return sheets_ != nullptr; }
@@ -133,6 +136,9 @@ private:
     std::deque<std::vector<float>> values_;                        // of places
     bool tangents_ = false;
     bool more_ = false;
+    bool moves_ = false;
+    // Of places that move, by their numbers, their matrices at even times.
+    std::map<std::size_t, std::vector<glm::mat4>> moving_;
 };
 
 } // namespace sfumato

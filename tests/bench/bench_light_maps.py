@@ -124,6 +124,7 @@ METHODS = {
     "moments-6": Stored(published(rivals.moments(6)), 7, 28, timed_apart=False),
     "haar": Stored(published(rivals.haar), 16, 32, timed_apart=False),
     "avsm-8": Stored(published(rivals.avsm), 16, 32, timed_apart=False),
+    "deep-opacity": Stored(published(rivals.deep_opacity(7)), 8, 20, timed_apart=False),
 }
 
 

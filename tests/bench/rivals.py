@@ -79,3 +79,25 @@ def avsm(depth: np.ndarray, tau: np.ndarray, receivers: np.ndarray, nodes: int =
         z[full, -1] = np.inf
     passed = (z[:, None] <= receivers[..., None]).sum(-1)
     return np.take_along_axis(np.concatenate([np.ones((rays, 1)), t], 1), passed, 1)
+
+
+def deep_opacity(layers: int) -> Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
+    """Optical depth up to the ends of layers that begin at each ray's first absorber: Yuksel and Keyser, "Deep opacity
+    maps", 2008. Each layer is wider than the one before by the width of the first, and all rays share the widths, by
+    which the last layer ends where the longest ray does. Half floats, and a single one for where they begin."""
+
+    def transmittance(depth: np.ndarray, tau: np.ndarray, receivers: np.ndarray) -> np.ndarray:
+        there = tau > 0.0
+        first = np.where(there, depth, np.inf).min(1, keepdims=True)
+        reach = float((np.where(there, depth, 0.0).max(1) - first[:, 0]).max()) + 1e-6
+        k = np.arange(layers + 1)
+        edges = reach * k * (k + 1) / (layers * (layers + 1))
+        before = [np.where(depth - first <= edge, tau, 0.0).sum(1) for edge in edges[1:]]
+        stored = np.stack([np.zeros(len(depth)), *map(half, before)], 1)
+        z = np.clip(receivers - first, 0.0, reach)
+        layer = np.clip(np.searchsorted(edges, z, side="right") - 1, 0, layers - 1)
+        low, high = (np.take_along_axis(stored, layer + i, 1) for i in (0, 1))
+        share = (z - edges[layer]) / (edges[layer + 1] - edges[layer])
+        return np.asarray(np.exp(-(low + share * (high - low))))
+
+    return transmittance

@@ -9,8 +9,8 @@ from typing import cast
 import numpy as np
 import pytest
 import sfumato
-from bench_light_maps import METHODS, SUN, TARGETS, growth, rmse, swing, violations
-from light_rays import FRAMES, SEEDED, Rays, seeded, smoke_frame, without_outlier
+from bench_light_maps import METHODS, SUN, TARGETS, rmse, violations
+from light_rays import FRAMES, SEEDED, Rays, seeded, smoke_frame
 
 # RMSE of T x1000 that the reference text gives for rivals (its [C] figures), in the order of SEEDED.
 PUBLISHED = {
@@ -64,18 +64,6 @@ def test_real_frames_are_a_fifth_of_fourier_and_a_sixth_of_slices(case: str) -> 
         error = rmse(METHODS[method].method, rays)
         assert error <= rmse(METHODS["fourier"].method, rays) / 5
         assert error <= rmse(METHODS["piecewise"].method, rays) / 6
-
-
-def test_light_does_not_swing_nor_hang_on_the_bounds() -> None:
-    for method in ("auto", "auto-additive"):
-        assert swing(METHODS[method].method) <= 0.004
-        assert growth(METHODS[method].method) <= 0.005
-    assert swing(METHODS["fourier"].method) == pytest.approx(0.052, rel=0.1)  # the reference text's figure
-
-
-def test_an_outlier_costs_the_curve_less_than_a_third(cases: dict[str, Rays]) -> None:
-    auto = METHODS["auto"].method
-    assert rmse(auto, cases["outlier"]) <= 1.3 * rmse(auto, without_outlier(cases["outlier"]))
 
 
 def test_every_method_sees_no_smoke_in_a_clear_ray() -> None:

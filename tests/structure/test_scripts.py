@@ -91,3 +91,10 @@ def test_what_failed_is_named_once_more_at_the_end(tmp_path: Path) -> None:
     assert end[-1] == "1 passed, 1 failed, 0 skipped"
     assert [line for line in end if line.startswith("In ")] == ["In middle:", "In inner:"]
     assert end.count("failed test_b (0.1 s)") == end.count("ValueError: the reason") == 1
+
+
+def test_failures_that_were_expected_count_as_passed(tmp_path: Path) -> None:
+    said = "==== 3 passed, 2 xfailed, 1 skipped in 0.1s ===="
+    script = f"source tests/setup.sh; build={tmp_path}; run_counted some 60 echo '{said}'; summary"
+    done = subprocess.run(["bash", "-euc", script], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines()[-1] == "5 passed, 0 failed, 1 skipped"

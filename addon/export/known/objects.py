@@ -35,7 +35,7 @@ _VIEWPORT = "how Blender's own viewport draws it"
 _EEVEE = "EEVEE alone reads it"
 _SAMPLING = "how fast Cycles' noise goes; our pictures have none"
 _INDIRECT = "light that surfaces pass on, of which we show none"
-_MOTION = "details of motion blur, which the scene names as a whole"
+_MOTION = "how smoke moves, of which Motion Blur makes nothing but a notice"
 _CAUSTICS = "light through glass, which materials name"
 _PANORAMA = "details of panoramic cameras, which are named as a whole"
 _TEXTURES = "textures, of which we show none"
@@ -101,6 +101,7 @@ CYCLES_OBJECT = Struct(
     "CyclesObjectSettings",
     "object",
     "cycles",
+    followed={"motion blur, of meshes' shapes too": "use_motion_blur use_deform_motion motion_steps"},
     named=(
         Named("use_adaptive_subdivision", (False,), "its Adaptive Subdivision is not followed; it is subdivided as in "
               "other engines", kinds=SURFACES, elsewhere=True),
@@ -108,7 +109,6 @@ CYCLES_OBJECT = Struct(
               "there is none", kinds=("GLOWING", "DARK")),
     ),
     idle={
-        _MOTION: "use_motion_blur use_deform_motion motion_steps",
         "culling, which the scene names": "use_camera_cull use_distance_cull",
         "details of adaptive subdivision, which is named as a whole": "dicing_rate",
         "how Cycles hides its own artefacts at the edge of shadows": "shadow_terminator_geometry_offset",
@@ -235,10 +235,9 @@ DEPTH_OF_FIELD = Struct(
     "CameraDOFSettings",
     "camera",
     "dof",
-    named=(Named("use_dof", (False,), "Depth of Field is not shown; everything is sharp"),),
-    idle={
-        "details of depth of field, which is named as a whole": "focus_object focus_subtarget focus_distance "
-        "aperture_fstop aperture_blades aperture_rotation aperture_ratio",
+    followed={
+        "depth of field, at rest and in renders": "use_dof focus_object focus_subtarget focus_distance aperture_fstop "
+        "aperture_blades aperture_rotation aperture_ratio",
     },
 )
 

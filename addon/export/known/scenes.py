@@ -13,7 +13,6 @@ _BAKE = "baking"
 _SPEED = "speed and memory of Cycles"
 _INTERFACE = "Blender's interface"
 _EEVEE = "EEVEE alone reads it"
-_MOTION = "details of motion blur, which is named as a whole"
 _FREESTYLE = "Freestyle's lines, which Blender draws over the picture"
 _COMPOSITOR = "Blender's compositor, which has our picture as any other"
 _SOUND = "sound"
@@ -61,10 +60,10 @@ RENDER_SETTINGS = Struct(
         "threads": "threads threads_mode",
         "persistent data": "use_persistent_data",
         "compositing and the sequencer, by Blender": "use_compositing use_sequencer",
+        "motion blur of the camera and of what surfaces have; what smoke, hair and particles do is named": "use_motion_blur "
+        "motion_blur_shutter motion_blur_shutter_curve motion_blur_position",
     },
     named=(
-        Named("use_motion_blur", (False,), "Motion Blur is not shown; everything stands as at the frame itself",
-              only=RENDER),
         Named("simplify_volumes", (1.0,), "Simplify's Volume Resolution of {value} is not followed; volumes have all "
               "of their voxels", when=(("render.use_simplify", True),)),
     ),
@@ -78,7 +77,6 @@ RENDER_SETTINGS = Struct(
         _BAKE: "bake bake_bias bake_margin bake_margin_type bake_samples bake_type bake_user_scale use_bake_clear "
         "use_bake_lores_mesh use_bake_multires use_bake_selected_to_active use_bake_user_scale",
         _EEVEE: "filter_size hair_type hair_subdiv use_high_quality_normals anisotropic_filter",
-        _MOTION: "motion_blur_shutter motion_blur_shutter_curve motion_blur_position",
         "panoramic cameras, which are named": "use_spherical_stereo",
         _FREESTYLE: "use_freestyle line_thickness line_thickness_mode",
         "grease pencil, which Blender draws": "simplify_gpencil simplify_gpencil_antialiasing simplify_gpencil_modifier "
@@ -101,8 +99,11 @@ CYCLES = Struct(
         "the pixel filter and its width": "pixel_filter_type filter_width",
         "how often light goes between surfaces: gloss shows the others once or not at all, and with Bounced Light what is "
         "matt is lit by them": "max_bounces diffuse_bounces glossy_bounces",
+        "when the shutter opens": "motion_blur_position",
     },
     named=(
+        Named("rolling_shutter_type", ("NONE",), "the Rolling Shutter is not followed; all of the picture is taken at once",
+              when=(("render.use_motion_blur", True),), only=RENDER),
         Named("film_exposure", (1.0,), "Film's Exposure of {value} is not followed; it is taken for 1"),
         Named("sample_clamp_direct", (0.0,), "Clamping of Direct Light at {value} is not followed; nothing is clamped"),
         Named("caustics_refractive", (True,), "its glass casts a shadow in its color, though Refractive Caustics is off",
@@ -140,7 +141,7 @@ CYCLES = Struct(
         "adaptive subdivision, which objects name": "dicing_rate preview_dicing_rate max_subdivisions dicing_camera "
         "offscreen_dicing_scale",
         "details of culling, which is named as a whole": "camera_cull_margin distance_cull_margin",
-        _MOTION: "motion_blur_position rolling_shutter_type rolling_shutter_duration",
+        "details of the rolling shutter, which is named": "rolling_shutter_duration",
         "textures, of which we show none": "texture_limit texture_limit_render texture_resolution "
         "texture_resolution_render",
         _BAKE: "bake_type",
@@ -220,6 +221,7 @@ VIEW_LAYER = Struct(
         "use_pass_shadow",
         "the alpha from which on passes tell of a surface": "pass_alpha_threshold",
         "hair": "use_strand",
+        "motion blur": "use_motion_blur",
     },
     named=(
         Named("aovs", (0,), "these passes are not made, and stay out of the file: the AOV '…'", only=RENDER,
@@ -233,7 +235,6 @@ VIEW_LAYER = Struct(
         _EEVEE: "eevee use_ao",
         _FREESTYLE: "use_freestyle freestyle_settings",
         "details of passes, which are named": "pass_cryptomatte_depth use_pass_cryptomatte_accurate",
-        _MOTION: "use_motion_blur",
         "grease pencil, which Blender draws": "use_grease_pencil use_pass_grease_pencil",
         _INTERFACE: "active_aov active_aov_index active_lightgroup active_lightgroup_index active_layer_collection "
         "has_export_collections depsgraph",

@@ -87,6 +87,12 @@ TRIED_IN = {
     "pixel_filter.py": "CyclesRenderSettings.pixel_filter_type CyclesRenderSettings.filter_width",
     "several_views.py": "RenderSettings.use_multiview RenderSettings.views RenderSettings.stereo_views "
     "RenderSettings.views_format Camera.stereo",
+    "exposure.py": "RenderSettings.use_motion_blur RenderSettings.motion_blur_shutter "
+    "RenderSettings.motion_blur_shutter_curve RenderSettings.motion_blur_position CyclesRenderSettings.motion_blur_position "
+    "ViewLayer.use_motion_blur CyclesObjectSettings.use_motion_blur CyclesObjectSettings.use_deform_motion "
+    "CyclesObjectSettings.motion_steps CameraDOFSettings.use_dof CameraDOFSettings.focus_object "
+    "CameraDOFSettings.focus_subtarget CameraDOFSettings.focus_distance CameraDOFSettings.aperture_fstop "
+    "CameraDOFSettings.aperture_blades CameraDOFSettings.aperture_rotation CameraDOFSettings.aperture_ratio",
     "render.py": "Scene.camera RenderSettings.threads RenderSettings.threads_mode RenderSettings.use_persistent_data",
     "smoke.py": "Scene.frame_current Scene.frame_subframe Scene.frame_float Scene.frame_current_final",
     "bad_input.py": "Object.data Object.type Object.material_slots Scene.world World.node_tree World.use_nodes World.color",
