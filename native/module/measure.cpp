@@ -49,7 +49,7 @@ converged settings, as the root of the mean squared difference of all pixels and
 >>> frame, camera = Frame(scene), Camera(np.eye(4))
 >>> measured = frame.measure(camera, 1.5 * frame.render(camera, 16, 16))
 >>> round(measured.reported, 2), measured.pixels, measured.frames, measured.unmeasured
-(0.44, 256, 1, [])
+(0.38, 256, 1, [])
 )")
         .def_readonly("reported", &Measured::reported, "The estimate.")
         .def_readonly("low", &Measured::low, "With high, where the error is with a probability of 95 %.")
@@ -69,7 +69,8 @@ converged settings, as the root of the mean squared difference of all pixels and
         &measure, py::name("measure"), py::is_method(frame), py::arg("camera"), py::arg("picture"),
         py::arg("pixels") = 256, py::arg("seed") = 0, py::arg("earlier") = py::none(),
         py::arg("filter") = "blackman_harris", py::arg("filter_width") = Filter{}.width,
-        R"(The error of a picture (height, width, 4) that render() or passes() of this frame made, a Measured. At
+        R"(The error of a picture (height, width, 4) that render() or passes() of this frame made of a camera
+without lens and motion, a Measured. At
 about so many `pixels` of it, chosen by `seed` and by where it changes most, many samples are followed at fine steps, and
 from a part of these steps, and from surfaces, the way to a random point of each light is marched through the smoke
 instead of being looked up in light maps. What `earlier` frames found, a Measured, is counted with it. filter and

@@ -91,11 +91,12 @@ class Frame:
         filter: str = "blackman_harris",
         filter_width: float = 1.5,
     ) -> Measured:
-        """The error of a picture (height, width, 4) that render() or passes() of this frame made, a Measured. At
-        about so many `pixels` of it, chosen by `seed` and by where it changes most, many samples are followed at
-        fine steps, and from a part of these steps, and from surfaces, the way to a random point of each light is
-        marched through the smoke instead of being looked up in light maps. What `earlier` frames found, a
-        Measured, is counted with it. filter and filter_width are those of passes().
+        """The error of a picture (height, width, 4) that render() or passes() of this frame made of a camera without
+        lens and motion, a Measured. At about so many `pixels` of it, chosen by `seed` and by where it changes
+        most, many samples are followed at fine steps, and from a part of these steps, and from surfaces, the way
+        to a random point of each light is marched through the smoke instead of being looked up in light maps.
+        What `earlier` frames found, a Measured, is counted with it. filter and filter_width are those of
+        passes().
         """
     @property
     def media(self) -> list[Any]:
