@@ -237,6 +237,14 @@ def package() -> tuple[Sequence[Row], list[str]]:
     return both()
 
 
+def measured(seed: int = 1) -> tuple[Sequence[Row], list[str]]:
+    """What frames say of their own errors, on scenes drawn from a seed."""
+    sys.path.insert(0, str(ROOT / "build" / "python"))
+    from bench_measured import measured as of_seed
+
+    return of_seed(seed)
+
+
 SUBJECTS: dict[str, Subject] = {
     "arealights": area_lights,
     "bases": bases,
@@ -246,6 +254,7 @@ SUBJECTS: dict[str, Subject] = {
     "heavy": heavy,
     "lightmaps": light_maps,
     "lights": lights,
+    "measured": measured,
     "oit": transparency,
     "package": package,
     "particles": particles,
@@ -255,7 +264,7 @@ SUBJECTS: dict[str, Subject] = {
     "versions": versions,
 }
 
-OPTIONS = {"heavy": ("case", "method", "against"), "scenes": ("case",)}
+OPTIONS = {"heavy": ("case", "method", "against"), "scenes": ("case",), "measured": ("seed",)}
 
 
 COLUMNS = ("error", "seconds", "bytes")
@@ -290,8 +299,10 @@ def main() -> None:
     only = parser.add_argument_group("heavy alone")
     only.add_argument("--method", action="append", help="by this one; may be given several times")
     only.add_argument("--against", metavar="COMMIT", help="what the method `before` is")
+    parser.add_argument("--seed", type=int, help="measured alone: what its scenes are drawn from")
     arguments = parser.parse_args()
-    options = {name: value for name in ("case", "method", "against") if (value := getattr(arguments, name))}
+    every = ("case", "method", "against", "seed")
+    options = {name: value for name in every if (value := getattr(arguments, name)) is not None}
     for name in options:
         if name not in OPTIONS.get(arguments.name, ()):
             parser.error(f"{arguments.name} has no --{name}")

@@ -5,6 +5,7 @@
 #include "frame/blurred.hpp"
 #include "frame/drawn.hpp"
 #include "frame/light_cache.hpp"
+#include "frame/measure.hpp"
 #include "frame/picture.hpp"
 #include "frame/prepared.hpp"
 #include "frame/stages.hpp"
@@ -41,6 +42,10 @@ public:
     [[nodiscard]] std::optional<Image> passes(const Exposure &exposure, int width, int height, LayerSet wanted,
                                               const Mist &mist, float least_alpha, const Film &film,
                                               const Progress &progress) const;
+
+    // The error of a picture that render() or passes() made, by about so many of its pixels: frame/measure.cpp.
+    [[nodiscard]] Measured measure(const Camera &camera, int width, int height, std::span<const float> picture,
+                                   const Filter &filter, int pixels, std::uint64_t seed) const;
 
     // What a GPU needs of the surfaces: RGB, and the distance to the first surface through the pixel's centre. RGB is
     // one layer of theirs, sampled and filtered as a picture is.

@@ -56,6 +56,8 @@ struct FrameView {
     Mist mist;                    // where that is asked for
     BounceView bounces;
     float least_alpha = 0.5F; // of a sheet of which passes tell
+    // Of a march that asks the lights themselves, in one of so many steps, for all of them; 0: it asks light volumes.
+    int asks_every = 0, asks_first = 0;
 };
 
 enum class Layer : std::uint16_t {

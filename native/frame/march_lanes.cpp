@@ -26,6 +26,9 @@ struct Asked {
 
     const FrameView *frame = nullptr;
     Knots *knots = nullptr; // where something else lies before the surface
+    // Of a march that asks lights themselves, where it is.
+    mutable int noted_step = 0;
+    mutable vec3 noted_place{};
 
     void leave_knot(Real t, const Real &step, const vec3 &radiance, const Colour &depth) const {
         if (knots == nullptr) {
@@ -97,7 +100,16 @@ struct Asked {
     [[nodiscard]] vec3 ramp_row(int m, const Real &row) const { return SFUMATO_ISA::ramp_row(medium(m).ramp, row); }
     [[nodiscard]] Real last_part(int m) const { return static_cast<float>(medium(m).ramp.parts - 1); }
     [[nodiscard]] Real anisotropy_of(int m) const { return medium(m).anisotropy; }
+    void note_step(const Real &k, const vec3 &world) const {
+        if (frame->asks_every > 0) {
+            noted_step = static_cast<int>(lowest(k));
+            noted_place = world;
+        }
+    }
     [[nodiscard]] Arriving light_at(int m, const Cell &place, int i) const {
+        if (frame->asks_every > 0) {
+            return exact_light(m, i);
+        }
         const float *const volume = medium(m).light[static_cast<std::size_t>(i)];
         const auto channel = [&](int c) { return sample_of(m, volume, COLOURS + 1, place, c); };
         if constexpr (COLOURS == 1) {
@@ -134,6 +146,23 @@ struct Asked {
     [[nodiscard]] vec3 light_strength(int i) const { return broadcast(light(i).strength); }
 
 private:
+    // A part of the steps stands for all. Not inlined: few marches ask.
+    [[gnu::noinline]] Arriving exact_light(int m, int i) const {
+        if (noted_step % frame->asks_every != frame->asks_first) {
+            return {Colour(0.0F), 0.0F};
+        }
+        ExactPacket packet;
+        put(noted_place, packet);
+        exact_arriving({&light(i), frame->extinctions, m, COLOURS == 1, frame->world_air}, packet);
+        const Real share = Real::load_aligned(packet.out[3]) * static_cast<float>(frame->asks_every);
+        if constexpr (COLOURS == 1) {
+            return {Real::load_aligned(packet.out[0]), share};
+        } else {
+            return {{Real::load_aligned(packet.out[0]), Real::load_aligned(packet.out[1]),
+                     Real::load_aligned(packet.out[2])},
+                    share};
+        }
+    }
     // Of what is stored as the density is, `channels` numbers for each of its one.
     [[nodiscard]] Real sample_of(int m, const float *values, int channels, const Cell &place, int channel) const {
         GridView grid = medium(m).density;
@@ -154,7 +183,7 @@ template <int COLOURS, bool RAMPED>
 void march_along(const FrameView &frame, const BounceRays &rays, const float *reach, float (&sent)[3][MAX_LANES],
                  float (&left)[3][MAX_LANES]) {
     using Text = text::MarchText<Real, Isa, Asked<COLOURS>>;
-    Text text{{&frame, nullptr}};
+    Text text{{.frame = &frame}};
     const auto loaded = [](const float(&v)[3][MAX_LANES]) {
         return vec3(Real::load_aligned(v[0]), Real::load_aligned(v[1]), Real::load_aligned(v[2]));
     };
@@ -179,7 +208,8 @@ template <int COLOURS, bool RAMPED>
 void march_in(const FrameView &frame, const Packet &packet, Layers &out) {
     Events *const events = out.events;
     text::MarchText<Real, Isa, Asked<COLOURS>> text{
-        {&frame, events != nullptr && (events->any() || !frame.air.empty()) ? &events->knots : nullptr}};
+        {.frame = &frame,
+         .knots = events != nullptr && (events->any() || !frame.air.empty()) ? &events->knots : nullptr}};
     const auto &c = frame.camera;
     const auto ray =
         text.camera_ray(broadcast(c[0]), broadcast(c[1]), broadcast(c[2]), broadcast(c[3]), broadcast(c[4]),

@@ -45,19 +45,6 @@ inline std::optional<Beside> beside_of(const FrameView &frame, const Packet &pac
                   packet.stands_for};
 }
 
-// Whether nothing solid stands on the first `distance` metres from `point`.
-inline Real visibility(const RayScene &solids, const vec3 &point, const Towards &towards, Mask asked) {
-    if (solids.scene == nullptr || !xsimd::any(asked)) {
-        return 1.0F;
-    }
-    typename Rays<LANES>::Ray rays;
-    set_rays(rays, solids, point, towards.direction, 0.0F, towards.distance);
-    alignas(64) int valid[LANES];
-    valid_lanes(asked, valid);
-    Rays<LANES>::occluded(valid, solids.scene, !solids.instanced, rays);
-    return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
-}
-
 // What hair lets through from a light to a point, and of that what smoke and particles do: the mean over the light's
 // samples, by what each brings.
 inline void media_transmittance(const FrameView &frame, const LightView &light, const vec3 &point, const vec3 &normal,
@@ -93,6 +80,20 @@ inline void media_transmittance(const FrameView &frame, const LightView &light, 
         const int from = c < colours ? c : 0;
         past_hair[c] = hair[from] / all;
         past_smoke[c] = sum[from] / max(hair[from], 1e-30F);
+    }
+}
+
+// Where a lamp, or a sun, is asked at one of its points for all of them, those count by what they bring: what is
+// missing at this one, by its share of `whole`, all that a matt surface gets of a radiance of one, over pi. Not
+// inlined: few ask.
+[[gnu::noinline]] inline void weigh_point(const LightView &light, const vec3 &point, const vec3 &normal, Real whole,
+                                          Real through[3]) {
+    const vec3 sample = broadcast(light.samples.front());
+    const Towards there = light.parallel() ? Towards{sample, 1e30F, sample_share(light, 0, point)}
+                                           : towards_place(light, point, sample, light.area);
+    const Real share = max(dot(normal, there.direction), 0.0F) * there.irradiance * 0.318309886F / max(whole, 1e-20F);
+    for (int c = 0; c < 3; ++c) {
+        through[c] = 1.0F - (1.0F - through[c]) * share;
     }
 }
 
@@ -211,7 +212,8 @@ inline Passing passing(const Between &between, const Surface &surface, const vec
                        Mask wanted) {
     const Mask above = wanted & (dot(surface.normal, towards.direction) > 0.0F);
     const Mask asked = above & (dot(surface.geometric_normal, towards.direction) > 0.0F);
-    const Real visible = pick(asked, visibility(between.solids, start, towards, asked), pick(above, 0.0F, 1.0F));
+    const Real visible = pick(asked, unblocked(between.solids, start, towards.direction, towards.distance, asked),
+                              pick(above, 0.0F, 1.0F));
     Passing out;
     out.visible = visible;
     if (between.tinted()) {
@@ -620,10 +622,11 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
     Real facing[3] = {1e-20F, 1e-20F, 1e-20F};
     for (const LightView &light : frame.lights) {
         shade_diffuse(light, packed);
+        const Real whole_diffuse = Real::load_aligned(packed.diffuse);
         const Mask reached = reached_by(frame.surfaces, light, surface);
         // Where surfaces light each other, rays for that find the sky, too.
         const bool spreads = light.reach.diffuse && !(radiance && frame.bounces.diffuse && light.surrounds());
-        const Real diffuse = spreads ? pick(reached, Real::load_aligned(packed.diffuse), 0.0F) : Real(0.0F);
+        const Real diffuse = spreads ? pick(reached, whole_diffuse, 0.0F) : Real(0.0F);
         Mirrored gloss[MAX_LOBES];
         Mask lit = diffuse > 0.0F;
         const int mirrors = light.reach.gloss ? lobes : 0;
@@ -665,6 +668,10 @@ inline Reflected reflected(const FrameView &frame, LayerSet wanted, const Packet
         const bool tinted = between.tinted();
         Real past_hair[3], through[3];
         media_transmittance(frame, light, point, surface.normal, past_hair, through);
+        if (light.finer > 1.0F && (light.area > 0.0F || (light.parallel() && !light.surrounds())) &&
+            light.samples.size() == 1) {
+            weigh_point(light, point, surface.normal, whole_diffuse, through);
+        }
         const auto left = [&](Real seen, const Passing &passed, int colour) {
             const Real arrives = seen * past_hair[colour];
             return tinted ? arrives * component(passed.tint, colour) : arrives;

@@ -201,6 +201,37 @@ double shadow_blur(const LightView &light, const Body &body) {
     return 0.5 * half_angle(light, ball, body.cell_size) * 0.5 * ball.radius;
 }
 
+glm::vec3 light_point(const LightView &light, std::span<const Body> bodies, const glm::dvec2 &square) {
+    const glm::dvec3 position(light.position), towards(-glm::dvec3(light.direction)), across(light.across),
+        up(light.up);
+    const LightsText::DiskPoint on_disk =
+        LightsText().point_on_disk(static_cast<float>(square.x), static_cast<float>(square.y));
+    const glm::dvec2 disk(on_disk.x, on_disk.y);
+    switch (light.kind) {
+    case Light::Kind::SUN:
+        return on_dome(towards, across * disk.x + up * disk.y);
+    case Light::Kind::SKY:
+        break;
+    case Light::Kind::SPHERE: {
+        // The disk that the sphere shows to the smoke.
+        const glm::dvec3 middle = bodies.empty() ? position + towards : ball_of(bodies.front()).middle;
+        const glm::dvec3 look = middle - position;
+        const glm::dmat3 axes = axes_of(glm::length(look) > 0.0 ? look : towards);
+        return position + double{light.radius} * (axes[0] * disk.x + axes[1] * disk.y);
+    }
+    case Light::Kind::RECTANGLE:
+        return position + across * square.x + up * square.y;
+    case Light::Kind::ELLIPSE:
+        return position + across * disk.x + up * disk.y;
+    case Light::Kind::POLYGON: {
+        const glm::vec2 unit(0.5 * square + 0.5);
+        const auto &c = light.corners;
+        return LightsText().point_on_quad(c[0], c[1], c[2], c[3], unit.x, unit.y);
+    }
+    }
+    return light.position;
+}
+
 std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Body> bodies, int most, bool in_air) {
     // How far the shadow of one point of the smoke spreads over as much air as the smoke is wide, in cells.
     double blur = in_air && bodies.empty() && light.radius > 0.0F ? 1e3 : 0.0;
@@ -220,40 +251,8 @@ std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Bod
         }
         return samples;
     }
-    const glm::dvec3 position(light.position), towards(-glm::dvec3(light.direction));
     for (int i = 0; i < count; ++i) {
-        const glm::dvec2 square = on_square(i, count);
-        const LightsText::DiskPoint on_disk =
-            LightsText().point_on_disk(static_cast<float>(square.x), static_cast<float>(square.y));
-        const glm::dvec2 disk(on_disk.x, on_disk.y);
-        const glm::dvec3 across(light.across), up(light.up);
-        switch (light.kind) {
-        case Light::Kind::SUN:
-            samples.emplace_back(on_dome(towards, across * disk.x + up * disk.y));
-            break;
-        case Light::Kind::SKY:
-            break;
-        case Light::Kind::SPHERE: {
-            // The disk that the sphere shows to the smoke.
-            const glm::dvec3 middle = bodies.empty() ? position + towards : ball_of(bodies.front()).middle;
-            const glm::dvec3 look = middle - position;
-            const glm::dmat3 axes = axes_of(glm::length(look) > 0.0 ? look : towards);
-            samples.emplace_back(position + double{light.radius} * (axes[0] * disk.x + axes[1] * disk.y));
-            break;
-        }
-        case Light::Kind::RECTANGLE:
-            samples.emplace_back(position + across * square.x + up * square.y);
-            break;
-        case Light::Kind::ELLIPSE:
-            samples.emplace_back(position + across * disk.x + up * disk.y);
-            break;
-        case Light::Kind::POLYGON: {
-            const glm::vec2 unit(0.5 * square + 0.5);
-            const auto &c = light.corners;
-            samples.push_back(LightsText().point_on_quad(c[0], c[1], c[2], c[3], unit.x, unit.y));
-            break;
-        }
-        }
+        samples.push_back(light_point(light, bodies, on_square(i, count)));
     }
     return samples;
 }

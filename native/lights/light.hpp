@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 namespace sfumato {
@@ -30,6 +31,7 @@ struct LightView : Light {
     float size2 = 0.0F;                 // of falloff()
     float concentration = 1.0F;         // how far its light is of one direction: henyey_greenstein_of_cap
     std::span<const glm::vec3> samples; // points; of a sun or a sky, directions towards it
+    float finer = 1.0F;                 // of how many times as many these are some
     std::span<const float> shares;      // of a sky: of all that it sends, what each sample stands for
     const Sky *sky = nullptr;           // of a sky that differs from side to side
     RayScene solids;                    // that may hide it
@@ -63,6 +65,9 @@ int sky_samples(int most);
 // sun, directions towards it. Where no body is, air still knows a light's size. Of a sky, which casts no edge that
 // `most` directions would show, twice as many.
 std::vector<glm::vec3> light_samples(const LightView &light, std::span<const Body> bodies, int most, bool in_air);
+
+// One of them, by its place on a square [-1, 1]^2 that all of the light shares evenly; not of a sky.
+glm::vec3 light_point(const LightView &light, std::span<const Body> bodies, const glm::dvec2 &square);
 
 // A sky as lights whose colours and directions smoke can tell apart: eighths of it, and its suns.
 std::vector<Light> parts_of_sky(const Light &light, const Sky *sky);

@@ -81,7 +81,7 @@ inline Real sample_share(const LightView &light, std::size_t number, const vec3 
         return spot_share(light, world - broadcast(sample)) * (1.0F / count);
     }
     const vec3 from_sample = world - broadcast(sample), from_middle = world - broadcast(light.position);
-    const float patch = light.area / count;
+    const float stands_for = light.area / count, patch = stands_for / light.finer;
     const Real distance2 = dot(from_sample, from_sample);
     const Real cosine = dot(from_sample, broadcast(light.direction)) / sqrt(max(distance2, 1e-20F));
     const Real sent =
@@ -89,7 +89,7 @@ inline Real sample_share(const LightView &light, std::size_t number, const vec3 
             ? max(cosine, 0.0F) * patch_fade(light, cosine, dot(from_sample, broadcast(light.direction)), patch)
             : sent_along(light, cosine);
     // A patch of the light as large as a sample stands for is nowhere nearer than its own radius.
-    return sent * patch / ((distance2 + patch * 0.318F) * falloff_of(light, from_middle));
+    return sent * stands_for / ((distance2 + patch * 0.318F) * falloff_of(light, from_middle));
 }
 
 // Two unit vectors at right angles to n and to each other: Duff et al., "Building an orthonormal basis, revisited",

@@ -50,6 +50,17 @@ inline void left_by_sheets(const LightMapView &map, const Texels &texels, Real z
     }
 }
 
+// What solids leave of the light at a place in the world. What sheets do is added to the depth. Not inlined: few ask.
+[[gnu::noinline]] Real past_exactly(const ExactRays &rays, Real x, Real y, Real z, int colours, Real *depth) {
+    ExactPacket packet;
+    put({x, y, z}, packet);
+    exact_open(rays, packet);
+    for (int c = 0; c < colours; ++c) {
+        depth[c] = depth[c] - log(max(Real::load_aligned(packet.out[c]), 1e-12F));
+    }
+    return Real::load_aligned(packet.out[3]);
+}
+
 struct Arriving {
     Real optical_depth[3];
     Real share; // of the light's falloff() that gets past solids and the edges of its cone
@@ -82,13 +93,17 @@ inline Arriving arriving(const ArrivingAt &at, const vec3 &world) {
                 continue;
             }
             const vec3 place = place_on(maps[m], world);
-            if (m != at.own && !xsimd::any(beneath(place))) {
+            if (m != at.own && maps[m].exact == nullptr && !xsimd::any(beneath(place))) {
                 continue;
             }
             const Texels texels = locate(maps[m], place.x, place.y);
             const glm::vec3 &extinction = at.extinctions[static_cast<std::size_t>(m)];
             add_optical_depth(maps[m], texels, place, &extinction.x, colours, depth);
-            if (m == at.own) {
+            if (m == at.own && maps[m].exact != nullptr) {
+                visible = maps[m].exact->lit
+                              ? weight * past_exactly(*maps[m].exact, world.x, world.y, world.z, colours, depth)
+                              : Real(0.0F);
+            } else if (m == at.own) {
                 visible = weight * (1.0F - solid_occlusion(maps[m], texels, place.z));
                 if (maps[m].sheets.first != nullptr) {
                     Real left[3];

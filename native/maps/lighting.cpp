@@ -13,13 +13,9 @@
 
 namespace sfumato {
 
-namespace {
-
 bool lights_smoke(const Light &light, const Body &body) {
     return body.takes_light && light.reach.smoke && (light.reach.lights & body.visibility.lit_by) != 0;
 }
-
-} // namespace
 
 MediaViews views_of(std::span<const CroppedMedium> media, double step_length) {
     MediaViews out;

@@ -29,6 +29,9 @@ struct LightParts {
     void end_round();
 };
 
+// Whether a body is to be lit by a light.
+bool lights_smoke(const Light &light, const Body &body);
+
 // Everything that the lights of a frame need, and the views of it.
 class Lighting {
 public:

@@ -9,6 +9,8 @@
 
 namespace sfumato {
 
+struct ExactRays; // maps/exact_rays.hpp
+
 // What stands on the rays of a map and lets light through: SheetDepths. Null where nothing does. Owns nothing.
 struct SheetsOnMap {
     const std::uint32_t *first = nullptr;
@@ -52,6 +54,8 @@ struct LightMapView {
     const std::int32_t *curves = nullptr; // in the place of coefficients
     int colours = 1;                      // of the curves,
     float per_depth[3] = {};              // and column density for an optical depth of one in each
+    // In the place of all that: a place on it is one in the world, from which the way to the light is marched.
+    const ExactRays *exact = nullptr;
 };
 
 } // namespace sfumato

@@ -3,6 +3,7 @@
 // what is fetched are shared.
 #pragma once
 
+#include "maps/exact_rays.hpp"
 #include "maps/map_view.hpp"
 #include "media/medium_view.hpp"
 #include "rays/curve_lanes.hpp"
@@ -11,6 +12,12 @@
 #include "text/lights_text.hpp"
 
 namespace sfumato::SFUMATO_ISA {
+
+// exact_lanes.cpp
+void exact_column(const ExactRays &rays, ExactPacket &packet);
+void exact_open(const ExactRays &rays, ExactPacket &packet);
+void exact_arriving(const ArrivingAt &at, ExactPacket &packet);
+
 namespace {
 
 using LightsText = text::LightsText<Real, Isa>;
@@ -219,10 +226,31 @@ inline Real column_density(const LightMapView &map, const Texels &texels, const 
     return usual ? own_column<COSINE>(map, texels, place.z) : other_column(map, place.x, place.y, place.z, colour);
 }
 
+inline void put(const vec3 &world, ExactPacket &packet) {
+    world.x.store_aligned(packet.world[0]);
+    world.y.store_aligned(packet.world[1]);
+    world.z.store_aligned(packet.world[2]);
+}
+
+// Not inlined, as other_column().
+[[gnu::noinline]] void add_exact_depth(const ExactRays &rays, Real x, Real y, Real z, const float *extinction,
+                                       int colours, Real *depth) {
+    ExactPacket packet;
+    put({x, y, z}, packet);
+    exact_column(rays, packet);
+    const Real column = Real::load_aligned(packet.out[0]);
+    for (int c = 0; c < colours; ++c) {
+        depth[c] = depth[c] + column * extinction[c];
+    }
+}
+
 // Adds the optical depth between the light and the place in each of the colours.
 inline void add_optical_depth(const LightMapView &map, const Texels &texels, const vec3 &place, const float *extinction,
                               int colours, Real *depth) {
     if (map.clear()) {
+        if (map.exact != nullptr && map.exact->hides) {
+            add_exact_depth(*map.exact, place.x, place.y, place.z, extinction, colours, depth);
+        }
         return;
     }
     Real column = column_density(map, texels, place, 0);

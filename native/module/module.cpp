@@ -88,5 +88,6 @@ True
     bind_reference(m);
     bind_frame_parts(m);
     bind_frame(m);
+    bind_measure(m);
     refuse_plainly(m);
 }

@@ -13,6 +13,7 @@ void bind_exposure(pybind11::module_ &m);
 void bind_frame(pybind11::module_ &m);
 void bind_frame_parts(pybind11::module_ &m);
 void bind_map(pybind11::module_ &m);
+void bind_measure(pybind11::module_ &m);
 void bind_microfacet(pybind11::module_ &m);
 void bind_opacity(pybind11::module_ &m);
 void bind_pattern(pybind11::module_ &m);

@@ -42,6 +42,19 @@ void set_rays(R &rays, const RayScene &among, const vec3 &origin, const vec3 &di
     }
 }
 
+// Whether nothing solid stands on the first `distance` metres from a point: 1, or 0. Anything where that is not asked.
+inline Real unblocked(const RayScene &solids, const vec3 &point, const vec3 &direction, Real distance, Mask asked) {
+    if (solids.scene == nullptr || !xsimd::any(asked)) {
+        return 1.0F;
+    }
+    typename Rays<LANES>::Ray rays;
+    set_rays(rays, solids, point, direction, 0.0F, distance);
+    alignas(64) int valid[LANES];
+    valid_lanes(asked, valid);
+    Rays<LANES>::occluded(valid, solids.scene, !solids.instanced, rays);
+    return pick(Real::load_aligned(rays.tfar) < 0.0F, 0.0F, 1.0F);
+}
+
 // What a hit on one triangle tells, in the world; vectors of any length.
 struct Corners {
     float normal[3] = {0.0F, 0.0F, 1.0F};

@@ -37,6 +37,7 @@ struct MarchText : Asked {
     using Asked::longest_step;
     using Asked::MEDIA;
     using Asked::media_count;
+    using Asked::note_step;
     using Asked::place_at;
     using Asked::ramp_row;
     using Asked::scattering_at;

@@ -7,6 +7,7 @@
 //   MEDIA               at least media_count(), of bodies of smoke; light_count(), of lights
 //   Place               a place between cells, found once for all that is read there
 //   leave_knot(t, step, radiance, depth)   what may be kept of the smoke up to the end of a step, t
+//   note_step(k, world)   what a step that meets smoke may have to know besides: its number, and its middle
 //   Arriving            of one light in a cell: the optical depth towards it, and the share of its falloff that gets past
 //                       solids and the edges of its cone (Colour depth, float share)
 // and what a medium answers:
@@ -165,6 +166,7 @@ Smoke march(Ray ray, float reach)
     }
     if (any_lane(met_any)) {
       vec3 world = ray.origin + ray.direction * t;
+      note_step(k, world);
       for (int m = 0; m < media_count(); ++m) {
         if (any_lane(amounts[m] > 0.0f)) {
           smoke.radiance = smoke.radiance + scattered_by_medium(m, places[m], amounts[m], tau, smoke.depth, world, ray.direction);

@@ -12,6 +12,7 @@
 #endif
 #define Place vec3 // in [0, 1]^3
 #define leave_knot(t, step, radiance, depth)
+#define note_step(k, world)
 
 struct Arriving {
   Colour depth;

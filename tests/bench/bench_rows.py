@@ -142,3 +142,13 @@ class ParticleRow(Row):
     map_seconds: float | None
     scene_seconds: float | None  # of a picture of 1680x1050 with that map, or of the row's own
     small_scene_seconds: float | None  # of 1280x800
+
+
+class MeasuredRow(Row):
+    """A picture, and what its frame says of its error: `error` is the true one."""
+
+    reported: float
+    low: float
+    high: float
+    pixels: int  # that were looked at
+    measure_seconds: float

@@ -121,6 +121,7 @@ struct Cubes {
     std::vector<std::array<float, 3>> knots{}; // where a step ends, the radiance and the optical depth up to there
     float glow = 0.0F;                         // of each
 
+    void note_step(float /*k*/, const glm::vec3 & /*world*/) const {}
     void leave_knot(float t, float /*step*/, const glm::vec3 &radiance, float depth) {
         knots.push_back({t, radiance.x, depth});
     }
