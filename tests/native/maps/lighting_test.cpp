@@ -64,8 +64,8 @@ struct Lit {
     }
 };
 
-// Calls visit(place in the world, channels of the light volume) for every `stride`th cell with smoke that one could
-// see.
+// Calls visit(place in the world, optical depths towards the light and its share) for every `stride`th cell with smoke
+// that one could see.
 template <typename Visit>
 void for_each_lit_cell(const Lit &lit, std::size_t medium, std::size_t light, int stride, const Visit &visit) {
     const CroppedMedium &smoke = lit.media[medium];
@@ -75,8 +75,13 @@ void for_each_lit_cell(const Lit &lit, std::size_t medium, std::size_t light, in
         const glm::ivec3 at(cell % n.x, cell / n.x % n.y, cell / n.x / n.y);
         const std::ptrdiff_t place = smoke.grid->place_of(at);
         if (smoke.grid->density[std::size_t(place)] > 1e-3F && cells++ % stride == 0) {
-            const float *values = smoke.light[light]->data() + place * smoke.light_channels;
-            visit(glm::dvec3(smoke.grid_to_world * glm::dvec4(glm::dvec3(at) + 0.5, 1.0)), values);
+            const float *stored = smoke.light[light]->data() + place * smoke.light_channels;
+            std::array<float, 4> values{};
+            for (int c = 0; c < smoke.light_channels; ++c) {
+                const bool root = c + 1 < smoke.light_channels;
+                values[std::size_t(c)] = root ? stored[c] * stored[c] : stored[c];
+            }
+            visit(glm::dvec3(smoke.grid_to_world * glm::dvec4(glm::dvec3(at) + 0.5, 1.0)), values.data());
         }
     }
 }
@@ -511,8 +516,8 @@ TEST(Kernels, FillTheSameLightVolumes) {
                     ASSERT_EQ(a.size(), b.size());
                     for (std::size_t cell = 0; cell < a.size(); cell += 4) {
                         for (std::size_t c = 0; c < 3; ++c) {
-                            const float arriving = a[cell + 3] * std::exp(-a[cell + c]);
-                            const float others = b[cell + 3] * std::exp(-b[cell + c]);
+                            const float arriving = a[cell + 3] * std::exp(-a[cell + c] * a[cell + c]);
+                            const float others = b[cell + 3] * std::exp(-b[cell + c] * b[cell + c]);
                             worst = std::max(worst, double{std::abs(arriving - others)});
                         }
                     }
