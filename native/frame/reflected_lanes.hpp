@@ -54,7 +54,13 @@ inline void media_transmittance(const FrameView &frame, const LightView &light, 
     constexpr float NOTHING = 1e-12F; // what none of them shines at has a plain mean
     Real sum[3] = {0.0F, 0.0F, 0.0F}, hair[3] = {0.0F, 0.0F, 0.0F}, all = 0.0F;
     for (std::size_t j = 0; j < light.samples.size(); ++j) {
-        const Real facing = light.surrounds() ? max(dot(normal, broadcast(light.samples[j])), 0.0F) : Real(1.0F);
+        Real facing = 1.0F;
+        if (light.surrounds()) {
+            facing = max(dot(normal, broadcast(light.samples[j])), 0.0F);
+        } else if (!light.parallel() && light.samples.size() > 1) {
+            const vec3 towards = broadcast(light.samples[j]) - point;
+            facing = max(dot(normal, towards), 0.0F) / sqrt(max(dot(towards, towards), 1e-20F));
+        }
         const Real share = sample_share(light, j, point) * facing + NOTHING;
         all = all + share;
         Real smoke[3] = {0.0F, 0.0F, 0.0F}, strands[3] = {0.0F, 0.0F, 0.0F};
