@@ -47,7 +47,8 @@ class SfumatoEngine(bpy.types.RenderEngine):
         try:
             # A farm sees an error, and a status of 1, rather than a picture that lacks its smoke.
             whole = bpy.app.background and props.of(settings).missing_is_error
-            seen, motion = self.while_open(depsgraph, shutter)
+            cameras = self.cameras(settings)
+            seen, motion = self.while_open(depsgraph, cameras, shutter)
             frame = scene.frame_of(
                 depsgraph, "render", parts.of_render(settings), whole, camera=self.camera_override, motion=motion
             )
@@ -55,7 +56,7 @@ class SfumatoEngine(bpy.types.RenderEngine):
             views: list[passes.Images] = []
             for view in self.get_result().views:
                 self.active_view_set(view.name)
-                images = self.images_of(frame, depsgraph, seen[view.name], shutter)
+                images = self.images_of(frame, depsgraph, cameras[view.name], seen[view.name], shutter)
                 if images is None:
                     return
                 views.append(images)
@@ -73,24 +74,31 @@ class SfumatoEngine(bpy.types.RenderEngine):
         for name, value in log.metadata(props.of(settings).quality).items():
             written.stamp_data_add_field(name, value)
 
+    def cameras(self, settings: Any) -> dict[str, Any]:
+        """By the views of the picture. In a strip of a scene, or for one of several views, it is another camera than the
+        scene's; and at another time that may be another one, too."""
+        found = {}
+        for view in self.get_result().views:
+            self.active_view_set(view.name)
+            found[view.name] = self.camera_override or settings.camera
+        return found
+
     def while_open(
-        self, depsgraph: Any, shutter: exposure.Shutter | None
+        self, depsgraph: Any, cameras: dict[str, Any], shutter: exposure.Shutter | None
     ) -> tuple[dict[str, list[exposure.View]], exposure.Motion | None]:
-        """Where the camera is while the shutter is open, by the views of the picture, and what else moves then. The scene
-        is at the shutter's middle afterwards."""
+        """Where cameras are while the shutter is open, by the views of the picture, and what else moves then. The scene is
+        at the shutter's middle afterwards."""
         settings = depsgraph.scene
-        # In a strip of a scene, or for one of several views, it is another camera than the scene's.
-        camera = self.camera_override or settings.camera
         window, _ = border_of(settings.render, image_size(settings.render))
 
         def views() -> dict[str, exposure.View]:
             found = {}
-            for view in self.get_result().views:
-                self.active_view_set(view.name)
+            for name, camera in cameras.items():
+                self.active_view_set(name)
                 now = camera.evaluated_get(depsgraph)
                 projection = projection_of(now, self.camera_shift_x(now), settings.render, depsgraph)
                 place = np.array(self.camera_model_matrix(now), dtype=np.float64)
-                found[view.name] = exposure.View(place, window @ projection)
+                found[name] = exposure.View(place, window @ projection)
             return found
 
         if shutter is None:
@@ -99,16 +107,19 @@ class SfumatoEngine(bpy.types.RenderEngine):
         times = exposure.over_times(
             self.frame_set, shutter, max(count, 1), lambda: (views(), exposure.moment_of(depsgraph))
         )
-        chosen = times if exposure.steps_of(camera) > 0 else times[len(times) // 2 : len(times) // 2 + 1]
-        seen = {name: [found[name] for found, _ in chosen] for name in times[0][0]}
+        seen = {}
+        for name, camera in cameras.items():
+            all_views = [found[name] for found, _ in times]
+            moves = exposure.steps_of(camera) > 0
+            seen[name] = all_views if moves else all_views[len(times) // 2 : len(times) // 2 + 1]
         return seen, exposure.Motion([moment for _, moment in times]) if count > 0 else None
 
     def images_of(
-        self, frame: Any, depsgraph: Any, views: list[exposure.View], shutter: exposure.Shutter | None
+        self, frame: Any, depsgraph: Any, camera: Any, views: list[exposure.View], shutter: exposure.Shutter | None
     ) -> passes.Images | None:
         """The pixels of all passes of one of the picture's views, or None where the artist stopped it."""
         settings = depsgraph.scene
-        camera = (self.camera_override or settings.camera).evaluated_get(depsgraph)
+        camera = camera.evaluated_get(depsgraph)
         _, extent = border_of(settings.render, image_size(settings.render))
         middle = views[len(views) // 2].place.copy()
         middle[:3, 3] -= frame.origin

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,7 @@ from . import meshes
 Matrix = NDArray[np.float64]
 
 SHARES = 64  # of the light that a shutter lets in: when each has come
+MOST_TIMES = 129  # of a place: what Embree takes
 FINER = 4  # between two places of a camera that turns, as many steps as a straight line may stand for
 
 
@@ -30,11 +32,11 @@ def lens_of(camera: Any) -> dict[str, Any]:
     width = 1.0 if parallel else 1e-3 * data.lens
     return {
         "lens_radius": width / (2.0 * max(field.aperture_fstop, 1e-5)),
-        "focus": max(_focus(camera, field), 1e-5),
+        "focus": min(max(_focus(camera, field), 1e-5), 1e9),
         "near": 0.0 if parallel else data.clip_start,
         "blades": field.aperture_blades,
         "rotation": field.aperture_rotation,
-        "ratio": field.aperture_ratio,
+        "ratio": min(max(field.aperture_ratio, 1e-3), 1e3),
     }
 
 
@@ -64,8 +66,8 @@ class Shutter:
         return 0.5 * (self.opens + self.closes)
 
     def times(self, count: int) -> NDArray[np.float64]:
-        """So many, evenly from its opening to its closing."""
-        return np.linspace(self.opens, self.closes, count)
+        """So many, evenly from its opening to its closing; one is the middle."""
+        return np.linspace(self.opens, self.closes, count) if count > 1 else np.array([self.middle])
 
 
 def shutter_of(depsgraph: Any) -> Shutter | None:
@@ -77,7 +79,7 @@ def shutter_of(depsgraph: Any) -> Shutter | None:
         return None
     width = render.motion_blur_shutter
     position: str = getattr(render, "motion_blur_position", "") or getattr(cycles, "motion_blur_position", "CENTER")
-    now = scene.frame_current_final
+    now = scene.frame_current + scene.frame_subframe  # before Time Stretching, as the engine's frame_set takes it
     opens = now - {"START": 0.0, "CENTER": 0.5, "END": 1.0}[position] * width
     return Shutter(opens, opens + width, _arrivals(render.motion_blur_shutter_curve))
 
@@ -109,27 +111,41 @@ class View:
 
 
 def between(first: View, second: View, share: float) -> View:
-    """As Cycles moves a camera: by what is made of its matrix (translation, rotation, scale) each by itself."""
-    parts = [mathutils.Matrix(view.place.tolist()).decompose() for view in (first, second)]
-    (place, turn, size), (next_place, next_turn, next_size) = parts
-    matrix = mathutils.Matrix.LocRotScale(
-        place.lerp(next_place, share), turn.slerp(next_turn, share), size.lerp(next_size, share)
+    """As Cycles moves what turns: by what its matrix is made of, a rotation (slerp), what it stretches and shears, and a
+    place, each by itself (polar decomposition)."""
+    (turn, stretch), (next_turn, next_stretch) = (_polar(view.place[:3, :3]) for view in (first, second))
+    out = (1.0 - share) * first.place + share * second.place
+    mixed = (
+        mathutils.Matrix(turn.tolist())
+        .to_quaternion()
+        .slerp(mathutils.Matrix(next_turn.tolist()).to_quaternion(), share)
     )
-    projection = (1.0 - share) * first.projection + share * second.projection
-    out = np.array(matrix, dtype=np.float64)
-    out[:3, 3] = (1.0 - share) * first.place[:3, 3] + share * second.place[:3, 3]  # those are of single precision
-    return View(out, projection)
+    rotation = np.array(mixed.to_matrix(), dtype=np.float64)
+    out[:3, :3] = rotation @ ((1.0 - share) * stretch + share * next_stretch)
+    return View(out, (1.0 - share) * first.projection + share * second.projection)
 
 
-def finely(views: list[View]) -> list[View]:
-    """With more between those of a camera that turns."""
-    turns = any(not np.allclose(view.place[:3, :3], views[0].place[:3, :3], atol=1e-6) for view in views)
-    if not turns:
-        still = all(np.allclose(view.matrix(np.zeros(3)), views[0].matrix(np.zeros(3)), atol=1e-9) for view in views)
+def _polar(matrix: Matrix) -> tuple[Matrix, Matrix]:
+    """A rotation, and what it is applied to."""
+    left, sizes, right = np.linalg.svd(matrix)
+    turn = left @ right
+    turn = -turn if np.linalg.det(turn) < 0.0 else turn
+    return turn, turn.T @ (left * sizes) @ right
+
+
+def finely(views: list[View], most: int = 1 << 16) -> list[View]:
+    """With more between those of what turns, but not more than that."""
+    first = views[0]
+    if not any(np.abs(view.place[:3, :3] - first.place[:3, :3]).max() > 1e-6 for view in views):
+        still = all(
+            np.abs(view.place - first.place).max() < 1e-9 and np.abs(view.projection - first.projection).max() < 1e-9
+            for view in views
+        )
         return views[:1] if still else views
-    return [
-        between(first, second, step / FINER) for first, second in zip(views, views[1:]) for step in range(FINER)
-    ] + views[-1:]
+    finer = max(min(FINER, (most - 1) // max(len(views) - 1, 1)), 1)
+    return [between(one, other, step / finer) for one, other in zip(views, views[1:]) for step in range(finer)] + views[
+        -1:
+    ]
 
 
 def of(views: list[View], lens: dict[str, Any], origin: Matrix, shutter: Shutter | None) -> Any:
@@ -154,7 +170,8 @@ def moment_of(depsgraph: Any) -> Moment:
     names: list[tuple[Any, ...]] = []
     numbers: list[float] = []
     for instance in depsgraph.object_instances:
-        names.append((instance.object.name_full, *instance.persistent_id))
+        parent = instance.parent if instance.is_instance else None
+        names.append((instance.object.name_full, parent.name_full if parent else "", *instance.persistent_id))
         first, second, third, last = instance.matrix_world
         numbers += (*first, *second, *third, *last)
     vertices = {
@@ -170,16 +187,19 @@ def _may_deform(thing: Any) -> bool:
     return settings is None or (settings.use_motion_blur and settings.use_deform_motion)
 
 
+def _numbers_of(names: tuple[tuple[Any, ...], ...]) -> dict[tuple[Any, ...], int]:
+    """Of those that name one instance."""
+    count = Counter(names)
+    return {name: number for number, name in enumerate(names) if count[name] == 1}
+
+
 class Motion:
     """What moves while the shutter is open, of moments from its opening to its closing."""
 
     def __init__(self, moments: list[Moment]) -> None:
         self.moments = moments
         middle = moments[len(moments) // 2]
-        self._numbers = [
-            {name: number for number, name in enumerate(moment.names)} if moment.names != middle.names else None
-            for moment in moments
-        ]
+        self._numbers = [_numbers_of(moment.names) if moment.names != middle.names else None for moment in moments]
         self._names = middle.names
 
     def of(self, place: int, thing: Any, origin: Matrix) -> list[Matrix] | None:
@@ -196,13 +216,16 @@ class Motion:
         if all(np.allclose(matrix, found[0], rtol=0.0, atol=1e-7) for matrix in found):
             return None
         views = [View(matrix, np.eye(4)) for matrix in found]
-        out = [view.place.copy() for view in finely(views)]
+        out = [view.place.copy() for view in finely(views, MOST_TIMES)]
         for matrix in out:
             matrix[:3, 3] -= origin
         return out
 
-    def vertices_of(self, thing: Any) -> NDArray[np.float32] | None:
-        """(times, n, 3) of a mesh; None where it keeps its shape, or its faces change."""
+    def vertices_of(self, thing: Any, depsgraph: Any) -> NDArray[np.float32] | None:
+        """(times, n, 3) of a mesh; None where it keeps its shape, or its faces change, or where it is not the object's own,
+        but what nodes make an instance of."""
+        if thing.type != "MESH" or thing.original.evaluated_get(depsgraph).data != thing.data:
+            return None
         found = [moment.vertices.get(thing.name_full) for moment in self.moments]
         first = found[0]
         if first is None or any(each is None or each.shape != first.shape for each in found):
@@ -222,11 +245,12 @@ def steps_of(thing: Any) -> int:
     return (1 << doublings) + 1
 
 
-def said(still: dict[str, str]) -> list[str]:
-    """That Motion Blur leaves what is not a surface as it is at the shutter's middle, by the names of objects."""
+def said(still: dict[str, str], changing: list[str]) -> list[str]:
+    """That Motion Blur leaves what is not a surface as it is at the shutter's middle, by the names of objects; and how
+    surfaces look whose shapes are changing."""
     return [
         f"{name}: Motion Blur does not blur its {what}, which stays as at the middle" for name, what in still.items()
-    ]
+    ] + [f"{name}: its shape changes while the shutter is open, and is shaded as at the middle" for name in changing]
 
 
 def over_times(go_to: Callable[[int, float], None], shutter: Shutter, count: int, look: Callable[[], Any]) -> list[Any]:

@@ -177,6 +177,8 @@ def export(
     filtered, lies_over = bool(filter_of(space)), omissions.lies_over(space)
     said_of: set[int] = set()  # objects
     strands: list[tuple[int, hair.Hair]] = []
+    changing: list[str] = []  # while the shutter is open, their shapes
+    flowing: set[int] = set()  # smoke of simulations
     for number, instance in enumerate(depsgraph.object_instances):
         if not (shown[number] or emits[number]):
             continue
@@ -224,9 +226,11 @@ def export(
             if bodies is not None:
                 omissions.of_smoke(thing, out.notices)
                 media += [(number, thing.name, medium) for medium in bodies]
+                flowing |= {number} if any(each.type == "FLUID" for each in thing.modifiers) else set()
                 lit += add_flames(out.scene, bodies, flags.reach_of(thing))
             elif thing.type in meshes.SURFACE_TYPES:
-                moving = None if motion is None else motion.vertices_of(thing)
+                moving = None if motion is None else motion.vertices_of(thing, depsgraph)
+                changing += [] if moving is None else [thing.name]
                 groups[key] = group = _group_of(thing, depsgraph, parts, looks, out.notices, origin, moving)
                 if group is not None:
                     group.add(number, instance, flags)
@@ -296,9 +300,11 @@ def export(
     if reflections and not lies_over:
         out.notices += bounces.said(all_looks, out.bounced, unreflected, bool(media))
     if motion is not None:
-        still = {name: "smoke" for _, name, medium in media} | {each.name: "hair" for _, each in strands}
+        still = {name: "smoke" for number, name, _ in media if number in out.moving or number in flowing}
+        still |= {group.name: "fog" for group in solids if group.volume and out.moving.keys() & set(group.places)}
+        still |= {each.name: "hair" for number, each in strands if number in out.moving}
         still |= {body.name: "particles" for body in points.bodies}
-        out.notices += exposure.said(still)
+        out.notices += exposure.said(still, [thing for thing in changing if thing not in still])
     air.add_air(out.scene, depsgraph, origin, space, suns, out.notices)
     omissions.of_frame(depsgraph, materials.world_of(depsgraph), space, out.notices, camera)
     if not depsgraph.scene.render.film_transparent:

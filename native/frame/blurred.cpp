@@ -259,27 +259,29 @@ constexpr int TAPS = 16; // where a sample is laid
 } // namespace
 
 MovedViews::MovedViews(const FrameView &middle, const Surfaces &surfaces) {
-    constexpr std::size_t COUNT = 32;
-    for (std::size_t i = 0; i < COUNT; ++i) {
-        const float time = (static_cast<float>(i) + 0.5F) / COUNT;
+    // By the memory of places.
+    constexpr std::size_t MOST = 32, LEAST = 4, PLACES = 1 << 20;
+    const std::size_t count = std::clamp(PLACES / std::max(surfaces.place_count(), std::size_t{1}), LEAST, MOST);
+    for (std::size_t i = 0; i < count; ++i) {
+        const float time = (static_cast<float>(i) + 0.5F) / static_cast<float>(count);
         FrameView &view = views_.emplace_back(middle);
         places_.push_back(surfaces.places_at(time));
         view.surfaces.places = places_.back().data();
-        for (RayScene *scene :
-             {&view.surfaces.all, &view.surfaces.seen, &view.surfaces.sheets, &view.surfaces.catchers}) {
-            scene->time = time;
-        }
-        std::vector<LightView> &lights = lights_.emplace_back(middle.lights.begin(), middle.lights.end());
-        for (LightView &light : lights) {
-            light.solids.time = light.sheets.time = time;
-        }
-        view.lights = lights;
     }
 }
 
-const FrameView &MovedViews::at(float time) const {
+FrameView MovedViews::at(float time, std::vector<LightView> &lights) const {
     const auto number = static_cast<std::size_t>(std::max(time, 0.0F) * static_cast<float>(views_.size()));
-    return views_[std::min(number, views_.size() - 1)];
+    FrameView view = views_[std::min(number, views_.size() - 1)];
+    for (RayScene *scene : {&view.surfaces.all, &view.surfaces.seen, &view.surfaces.sheets, &view.surfaces.catchers}) {
+        scene->time = time;
+    }
+    lights.assign(view.lights.begin(), view.lights.end());
+    for (LightView &light : lights) {
+        light.solids.time = light.sheets.time = time;
+    }
+    view.lights = lights;
+    return view;
 }
 
 // The variances of the two add: that of a narrower lens, and that of what a sample stands for.
@@ -303,7 +305,7 @@ std::vector<std::uint16_t> blurred_pixels(const Tracer &tracer, const Blur &blur
         const Turns turns = turns_of(sharp.width, first, last, [](int, int) { return true; });
         for (int turn = 0; turn < FILM_TURNS; ++turn) {
             const std::vector<Pixel> &pixels = turns[static_cast<std::size_t>(turn)];
-            const Tracer own = from(tracer, blur.many.view(first_eye_of(turn, blur.many.count)));
+            const Tracer own = from(tracer, blur.many.view(first_eye_of(turn)));
             const auto fill = [&](Packet &packet, std::size_t lane, std::size_t number) {
                 put_first_look(true, pixels[number].x, pixels[number].y, sharp, packet, lane);
                 packet.reach = static_cast<float>(film.filter.diameter() / 2.0);
@@ -428,14 +430,14 @@ void Blurring::lay(int x, int y, const Image::Sample &values, const std::array<g
 }
 
 void Blurring::add(int x, int y, const Image::Sample &values, std::int64_t weight) {
-    constexpr float UNIT = 0x1p24F, MOST = 1e9F;
+    constexpr float UNIT = 0x1p24F, MOST = 1e7F; // of which all sums have room
     std::int64_t *const to = sum_.data() + image_.at(x, y) * sums_;
     const auto put = [](std::int64_t &sum, std::int64_t what) {
         std::atomic_ref(sum).fetch_add(what, std::memory_order_relaxed);
     };
     for (std::size_t c = 0; c + 1 < sums_; ++c) {
         const float value = std::isnan(values[c]) ? 0.0F : std::clamp(values[c], -MOST, MOST);
-        put(to[c], weight * static_cast<std::int64_t>(value * UNIT));
+        put(to[c], weight * std::llrint(static_cast<double>(value) * UNIT));
     }
     put(to[sums_ - 1], weight);
 }

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -22,22 +23,24 @@ namespace sfumato {
 struct Eyes {
     int count = 0;
     std::vector<FrameView> views;
+    std::deque<std::vector<LightView>> lights; // of each, where anything moves
 
     [[nodiscard]] const FrameView &view(std::size_t eye) const { return views[eye % views.size()]; }
 };
 
-// What a frame's eyes see of what moves, at even times while the shutter is open.
+// What a frame's eyes see of what moves: rays meet it where it is, shading has it turned as at the nearest of even
+// times while the shutter is open.
 class MovedViews {
 public:
     MovedViews() = default;
     MovedViews(const FrameView &middle, const Surfaces &surfaces);
 
     [[nodiscard]] bool empty() const { return views_.empty(); }
-    [[nodiscard]] const FrameView &at(float time) const;
+    // `lights` is for what those of that time are.
+    [[nodiscard]] FrameView at(float time, std::vector<LightView> &lights) const;
 
 private:
     std::vector<std::vector<PlaceView>> places_;
-    std::vector<std::vector<LightView>> lights_;
     std::vector<FrameView> views_;
 };
 

@@ -71,8 +71,8 @@ std::size_t eye_of(int turn, int k, int count) {
     return static_cast<std::size_t>(turn * count + own);
 }
 
-std::size_t first_eye_of(int turn, int count) {
-    return static_cast<std::size_t>(turn * count + turn % count);
+std::size_t first_eye_of(int turn) {
+    return static_cast<std::size_t>(turn);
 }
 
 std::vector<Glimpse> eyes_of(const Exposure &exposure, int count, float width) {

@@ -21,7 +21,7 @@ std::vector<Glimpse> eyes_of(const Exposure &exposure, int count, float width);
 
 // Of a pixel whose turn it is, the number of the eye of its sample k.
 std::size_t eye_of(int turn, int k, int count);
-// The eye of a first look: those of all turns lie far apart.
-std::size_t first_eye_of(int turn, int count);
+// The eye of a first look: the first sixteen are as evenly spread as so many can be.
+std::size_t first_eye_of(int turn);
 
 } // namespace sfumato

@@ -152,11 +152,11 @@ Blur Frame::blur_of(const Exposure &exposure, int width, int height, LayerSet wa
     }
     const bool sorting = sharp.particles.puffs != nullptr || !sharp.strands.empty();
     const auto see = [&](int count) {
-        Eyes eyes{count, {}};
+        Eyes eyes{count, {}, {}};
         std::vector<Glimpse> all = eyes_of(exposure, count, narrowed(count));
         all.resize(sorting ? std::min(SORTINGS, all.size()) : all.size());
         for (const Glimpse &eye : all) {
-            FrameView view = out.moved.empty() ? sharp : out.moved.at(eye.time);
+            FrameView view = out.moved.empty() ? sharp : out.moved.at(eye.time, eyes.lights.emplace_back());
             for (std::size_t i = 0; i < 3; ++i) {
                 view.camera[i] = eye.camera.near[i];
                 view.camera[3 + i] = eye.camera.far[i];

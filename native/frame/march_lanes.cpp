@@ -14,6 +14,11 @@
 namespace sfumato::SFUMATO_ISA {
 namespace {
 
+// Of what light volumes hold (light_box).
+Real depth_of_root(Real root) {
+    return root * (root + 1.0F);
+}
+
 template <int COLOURS>
 struct Asked {
     using Colour = std::conditional_t<COLOURS == 1, Real, vec3>;
@@ -113,11 +118,9 @@ struct Asked {
         const float *const volume = medium(m).light[static_cast<std::size_t>(i)];
         const auto channel = [&](int c) { return sample_of(m, volume, COLOURS + 1, place, c); };
         if constexpr (COLOURS == 1) {
-            const Real root = channel(0);
-            return {root * root, channel(1)};
+            return {depth_of_root(channel(0)), channel(1)};
         } else {
-            const Real red = channel(0), green = channel(1), blue = channel(2);
-            return {{red * red, green * green, blue * blue}, channel(3)};
+            return {{depth_of_root(channel(0)), depth_of_root(channel(1)), depth_of_root(channel(2))}, channel(3)};
         }
     }
 

@@ -59,10 +59,11 @@ void light_box(const LightBox &box) {
         }
         const Arriving light = arriving(box.at, transform_point(box.grid_to_world, p));
         alignas(64) float lanes[4][LANES];
-        // Its root: from where smoke begins optical depth grows as the square of the way, so between two cells the root
-        // is straight, and in dense smoke the depth itself would be twice as much.
+        // A root r, of which the depth is r (r + 1), is what is straight between cells: in dense smoke, where depth
+        // grows as the square of the way from where it begins, it is nearly the depth's own root; in thin smoke the
+        // depth.
         for (int c = 0; c < colours; ++c) {
-            pick(reached, sqrt(light.optical_depth[c]), 0.0F).store_aligned(lanes[c]);
+            pick(reached, sqrt(light.optical_depth[c] + 0.25F) - 0.5F, 0.0F).store_aligned(lanes[c]);
         }
         pick(reached, light.share, 0.0F).store_aligned(lanes[colours]);
         for (int lane = 0; lane < LANES && cell + lane < cells; ++lane) {

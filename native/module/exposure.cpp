@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include <glm/geometric.hpp>
 #include <pybind11/stl.h>
 
 namespace sfumato {
@@ -27,6 +28,14 @@ Exposure make_exposure(const py::list &cameras, float radius, float focus, float
     }
     if (out.cameras.empty()) {
         throw py::value_error("cameras is empty, but a picture is taken from somewhere");
+    }
+    for (std::size_t i = 1; i < out.cameras.size(); ++i) {
+        const Camera &a = out.cameras[i - 1], &b = out.cameras[i];
+        if (!(glm::dot(a.near[1], b.near[1]) > 0.0F && glm::dot(a.near[2], b.near[2]) > 0.0F)) {
+            throw py::value_error("cameras[" + std::to_string(i) +
+                                  "] is turned by a right angle or more from the one " +
+                                  "before it: between them there is none that sees anything");
+        }
     }
     require_range(radius, 0.0F, 1e6F, "lens_radius");
     require_range(focus, 1e-6F, 1e30F, "focus");

@@ -344,8 +344,8 @@ the resolution along its longer side of what throws shadows in the world's air, 
              py::arg("progress") = py::none(),
              R"(The finished image: (height, width, 4) float32, premultiplied scene-linear RGBA, row 0 at the bottom.
 
-edge_samples are taken where surfaces or their shadows change, one elsewhere; of what an Exposure blurs up to four times
-as many, 16 at least. progress(done) is called with the
+edge_samples are taken where surfaces or their shadows change, one elsewhere; of what an Exposure blurs as
+many or a quarter, 16 at least; with one everything is sharp. progress(done) is called with the
 share of the work that is done, by the thread that called; when it returns False the result is None.
 
 >>> import numpy as np

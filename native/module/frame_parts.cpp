@@ -123,9 +123,9 @@ void bind_frame_parts(py::module_ &m) {
         .def_property_readonly("emission", &emission_of, "(n, 3), that of Scene.add_medium; no rows without a glow.")
         .def_property_readonly(
             "light", &light_of,
-            "(lights, nz, ny, nx, c): the root of the optical depth towards each light, in the one colour of "
-            "grey smoke or in three, and the share of the light's falloff that passes solids and the edges "
-            "of its cone. A copy.")
+            "(lights, nz, ny, nx, c): r, of which r (r + 1) is the optical depth towards each light, in the one colour "
+            "of grey smoke or in three, and the share of the light's falloff that passes solids and the edges of its "
+            "cone. A copy.")
         .def_property_readonly(
             "grid_to_world", [](const CroppedMedium &s) { return to_numpy(s.grid_to_world); },
             "(4, 4): from cells to metres in world space.")

@@ -136,8 +136,10 @@ std::vector<std::uint32_t> any_indices(const py::array &array, py::ssize_t count
 
 // Of what moves the middle is one of the times.
 void require_odd(py::ssize_t times) {
-    if (times > 0 && (times < 3 || times % 2 == 0)) {
-        throw py::value_error("moving has " + text(times) + " times, but must have an odd number, 3 or more");
+    constexpr py::ssize_t MOST = 129; // that Embree takes
+    if (times > 0 && (times < 3 || times % 2 == 0 || times > MOST)) {
+        throw py::value_error("moving has " + text(times) + " times, but must have an odd number from 3 to " +
+                              text(MOST));
     }
 }
 

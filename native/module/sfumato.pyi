@@ -316,8 +316,9 @@ class LitMedium:
         """(4, 4): from cells to metres in world space."""
     @property
     def light(self) -> NDArray[numpy.float32]:
-        """(lights, nz, ny, nx, c): the root of the optical depth towards each light, in the one colour of grey smoke
-        or in three, and the share of the light's falloff that passes solids and the edges of its cone. A copy.
+        """(lights, nz, ny, nx, c): r, of which r (r + 1) is the optical depth towards each light, in the one colour
+        of grey smoke or in three, and the share of the light's falloff that passes solids and the edges of its
+        cone. A copy.
         """
     @property
     def ramp(self) -> NDArray[numpy.float32]:

@@ -121,15 +121,32 @@ void append_rows(const Materials &materials, bool lamp, Solids &solids, std::vec
     }
 }
 
-// The triangles of a shape, moved to their place.
-void copy_to_world(const Shape &shape, const glm::dmat4 &to_world, RTCGeometry geometry) {
+// The vertices of a shape at a time, moved to their place.
+void copy_vertices(std::span<const glm::vec3> from, const glm::dmat4 &to_world, unsigned time, RTCGeometry geometry) {
     auto *vertices = static_cast<glm::vec3 *>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), shape.vertices.size()));
+        geometry, RTC_BUFFER_TYPE_VERTEX, time, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), from.size()));
     if (vertices == nullptr) {
         return; // the device knows
     }
-    for (const glm::vec3 &vertex : shape.vertices) {
+    for (const glm::vec3 &vertex : from) {
         *vertices++ = glm::vec3(to_world * glm::dvec4(glm::dvec3(vertex), 1.0));
+    }
+}
+
+// The triangles of a shape, moved to the place of a number, and with it.
+void copy_to_world(const Instances &mesh, std::size_t number, RTCGeometry geometry) {
+    const Shape &shape = *mesh.shape;
+    const std::size_t times = std::max({mesh.moving.size(), shape.moving.size(), std::size_t{1}});
+    rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(times));
+    for (std::size_t time = 0; time < times; ++time) {
+        // Where the two have different times, the shape's nearest.
+        const auto nearest = [time, times](std::size_t count) {
+            return times == 1 ? 0 : time * (count - 1) / (times - 1);
+        };
+        copy_vertices(
+            shape.moving.empty() ? shape.vertices : shape.moving[nearest(shape.moving.size())],
+            glm::dmat4(mesh.moving.empty() ? mesh.to_world[number] : mesh.moving[nearest(mesh.moving.size())][number]),
+            static_cast<unsigned>(time), geometry);
     }
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, shape.triangles.data(), 0,
                                sizeof(glm::uvec3), shape.triangles.size());
@@ -142,6 +159,22 @@ bool is_moving(const Instances &mesh) {
 bool is_instanced(const Instances &mesh) {
     constexpr std::size_t FEW = 20000; // triangles: a few milliseconds to copy
     return mesh.to_world.size() > 1 || mesh.shape->triangles.size() > FEW || is_moving(mesh);
+}
+
+// Whether rays can be taken into the space of a shape there, whatever the time: Embree does not ask, and rays of no
+// numbers end the process.
+bool can_be_entered(const Instances &mesh, std::size_t number) {
+    double first = 0.0;
+    const auto enters = [&first](const glm::mat4 &to_world) {
+        const glm::dmat3 linear = glm::dmat3(glm::dmat4(to_world));
+        const double longest = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
+        const double determinant = glm::determinant(linear);
+        first = first == 0.0 ? determinant : first;
+        // Between two that are turned inside out there is one that is flat.
+        return std::abs(determinant) > 1e-9 * longest * longest * longest && determinant * first > 0.0;
+    };
+    return enters(mesh.to_world[number]) &&
+           std::ranges::all_of(mesh.moving, [&](const std::vector<glm::mat4> &time) { return enters(time[number]); });
 }
 
 void set_matrix(const glm::mat4 &to_world, PlaceView &view) {
@@ -271,11 +304,15 @@ void Solids::attach(const Instances &mesh, bool sheet, Places &places, unsigned 
     const bool instanced = is_instanced(mesh);
     places.instanced = places.instanced || instanced;
     const std::shared_ptr<const Solid> what = instanced ? solid(mesh.shape, sheet) : nullptr;
-    places.kept.push_back(what ? std::shared_ptr<const void>(what) : mesh.shape);
+    places.kept.push_back(mesh.shape);
+    if (what) {
+        places.kept.push_back(what);
+    }
     for (std::size_t i = 0; i < mesh.to_world.size(); ++i) {
+        const bool entered = instanced && can_be_entered(mesh, i);
         const RTCGeometry place =
-            rtcNewGeometry(device_.get(), instanced ? RTC_GEOMETRY_TYPE_INSTANCE : RTC_GEOMETRY_TYPE_TRIANGLE);
-        if (instanced) {
+            rtcNewGeometry(device_.get(), entered ? RTC_GEOMETRY_TYPE_INSTANCE : RTC_GEOMETRY_TYPE_TRIANGLE);
+        if (entered) {
             rtcSetGeometryInstancedScene(place, what->scene());
             const std::size_t times = std::max(mesh.moving.size(), std::size_t{1});
             rtcSetGeometryTimeStepCount(place, static_cast<unsigned>(times));
@@ -285,7 +322,7 @@ void Solids::attach(const Instances &mesh, bool sheet, Places &places, unsigned 
                                         &to_world[0].x);
             }
         } else {
-            copy_to_world(*mesh.shape, glm::dmat4(mesh.to_world[i]), place);
+            copy_to_world(mesh, i, place);
         }
         rtcCommitGeometry(place);
         rtcAttachGeometryByID(places.scene.get(), place, number++);

@@ -106,6 +106,7 @@ public:
     // Whether any place or shape is elsewhere while the shutter is open, and the views of all places at such a time.
     [[nodiscard]] bool moves() const { return moves_; }
     [[nodiscard]] std::vector<PlaceView> places_at(float time) const;
+    [[nodiscard]] std::size_t place_count() const { return views_.size(); }
     // Whether none that the camera sees is a holdout or a catcher; whether it sees any sheet.
     [[nodiscard]] bool opaque() const { return opaque_; }
     [[nodiscard]] bool sheets() const { return sheets_ != nullptr; }

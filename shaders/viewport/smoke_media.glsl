@@ -64,8 +64,8 @@ Arriving light_at(int medium, vec3 place, int light)
 {
   vec4 volume = light_in_volume(medium, place, float(light), view.screen.z, grid_size(medium).z);
   Arriving arriving;
-  arriving.depth = OF_COLOURS(volume);  // its root
-  arriving.depth *= arriving.depth;
+  arriving.depth = OF_COLOURS(volume);  // its root, as light_box() has it
+  arriving.depth *= arriving.depth + 1.0f;
   arriving.share = SHARE_OF(volume);
   return arriving;
 }

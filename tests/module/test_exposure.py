@@ -164,6 +164,44 @@ def test_a_lens_without_width_and_a_camera_that_stands_are_a_camera() -> None:
     assert np.array_equal(frame.render(Exposure([Camera(matrix())]), SIZE, SIZE), sharp)
 
 
+def test_what_is_very_bright_or_dark_is_blurred_too() -> None:
+    exposure = Exposure([Camera(matrix())], lens_radius=0.4, focus=4.0, near=NEAR)
+    plain = picture(glowing(8.0, 0.25), exposure)[..., :3]
+    for gain in (1e-3, 1e6):
+        scene = Scene()
+        add_square(scene, 8.0, 0.25, emission=[[gain, 2.0 * gain, 3.0 * gain]])
+        scene.set_background((0, 0, 0), 1.0)
+        np.testing.assert_allclose(picture(Frame(scene), exposure)[..., :3] / gain, plain, atol=0.002)
+
+
+def test_what_flies_far_keeps_its_light() -> None:
+    """Past many times its own width."""
+    scene = Scene()
+    square = Mesh([[-0.25, -0.25, -4], [0.25, -0.25, -4], [0.25, 0.25, -4], [-0.25, 0.25, -4]], [[0, 1, 2], [0, 2, 3]])
+    way = [[moved(-1.5)], [moved(0.0)], [moved(1.5)]]
+    scene.add_instances(square, np.eye(4), albedo=[[0, 0, 0]], emission=[[1, 1, 1]], moving=way)
+    scene.set_background((0, 0, 0), 1.0)
+    frame = Frame(scene)
+    sharp = picture(frame, Camera(matrix()))[..., 0].sum()
+    for samples in (16, 64, 256):
+        assert picture(frame, Exposure([Camera(matrix())]), samples)[..., 0].sum() == pytest.approx(sharp, rel=0.06)
+
+
+@pytest.mark.parametrize("flat", [np.zeros((3, 3)), np.diag([1.0, 1.0, 0.0]), np.diag([-1.0, 1.0, 1.0])])
+def test_places_that_no_ray_enters_are_shown(flat: np.ndarray) -> None:
+    """What is flat, or has no size, at one time or is turned inside out on its way."""
+    scene = Scene()
+    square = Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    whole, other = moved(0.0), moved(0.0)
+    other[:3, :3] = flat
+    whole[2, 3] = other[2, 3] = -4.0
+    way = [[whole], [whole], [other]]
+    scene.add_instances(square, whole, albedo=[[0, 0, 0]], emission=[[1, 1, 1]], moving=way)
+    scene.add_instances(square, np.stack([other, other]), albedo=[[0, 0, 0]])
+    seen = picture(Frame(scene), Exposure([Camera(matrix())]))
+    assert np.isfinite(seen).all() and 0.2 < seen[SIZE // 2, SIZE // 2, 0] <= 1.0 + 1e-6
+
+
 def test_equal_exposures_give_equal_pictures() -> None:
     exposure = Exposure([Camera(matrix(-0.1)), Camera(matrix(0.1))], lens_radius=0.2, focus=3.0, near=NEAR)
     first, second = (glowing(4.0, 0.5).render(exposure, SIZE, SIZE) for _ in range(2))

@@ -217,7 +217,8 @@ def test_coloured_smoke_has_three_depths_towards_each_light() -> None:
     scene.add_point((0, 0, 3), (5, 5, 5))
     (medium,) = Frame(scene).media
     assert medium.light.shape == (2, 5, 6, 7, 4)
-    depth = medium.light[..., :3] ** 2
+    root = medium.light[..., :3]
+    depth = root * (root + 1.0)
     assert (depth[..., 1] >= depth[..., 0]).all() and depth[..., 2].max() > 2.0 * depth[..., 0].max()
 
 

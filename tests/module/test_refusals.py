@@ -43,6 +43,7 @@ VALUES: dict[str, Any] = {
     "scene": scene(),
     "camera": sfumato.Camera(np.eye(4)),
     "cameras": [sfumato.Camera(np.eye(4))],
+    "picture": np.zeros((2, 2, 4), np.float32),
     "width": 2,
     "height": 2,
     "points": [0, 0, 0],

@@ -93,7 +93,7 @@ def test_a_lamp_that_lights_nothing_but_is_seen_is_named() -> None:
 def test_a_render_hears_of_the_camera_that_it_looks_through() -> None:
     other = bpy.data.objects.new("Other", bpy.data.cameras.new("Other"))
     bpy.context.collection.objects.link(other)
-    other.data.dof.use_dof = True
+    other.data.type = "PANO"
     depsgraph = bpy.context.evaluated_depsgraph_get()
     assert not any(line.startswith("Other: ") for line in scene.export(depsgraph).notices)
     assert any(line.startswith("Other: ") for line in scene.export(depsgraph, camera=other).notices)

@@ -79,7 +79,7 @@ void for_each_lit_cell(const Lit &lit, std::size_t medium, std::size_t light, in
             std::array<float, 4> values{};
             for (int c = 0; c < smoke.light_channels; ++c) {
                 const bool root = c + 1 < smoke.light_channels;
-                values[std::size_t(c)] = root ? stored[c] * stored[c] : stored[c];
+                values[std::size_t(c)] = root ? stored[c] * (stored[c] + 1.0F) : stored[c];
             }
             visit(glm::dvec3(smoke.grid_to_world * glm::dvec4(glm::dvec3(at) + 0.5, 1.0)), values.data());
         }
@@ -516,8 +516,8 @@ TEST(Kernels, FillTheSameLightVolumes) {
                     ASSERT_EQ(a.size(), b.size());
                     for (std::size_t cell = 0; cell < a.size(); cell += 4) {
                         for (std::size_t c = 0; c < 3; ++c) {
-                            const float arriving = a[cell + 3] * std::exp(-a[cell + c] * a[cell + c]);
-                            const float others = b[cell + 3] * std::exp(-b[cell + c] * b[cell + c]);
+                            const float arriving = a[cell + 3] * std::exp(-a[cell + c] * (a[cell + c] + 1.0F));
+                            const float others = b[cell + 3] * std::exp(-b[cell + c] * (b[cell + c] + 1.0F));
                             worst = std::max(worst, double{std::abs(arriving - others)});
                         }
                     }
