@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame/blurred.hpp"
 
+#include "frame/around.hpp"
 #include "frame/looks.hpp"
 #include "frame/sample_packet.hpp"
 #include "scene/places_in_picture.hpp"
@@ -10,6 +11,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <optional>
 
 #include <glm/common.hpp>
@@ -153,30 +155,6 @@ private:
 // Half of what is moved over, pixels.
 float width_of(const std::array<glm::vec2, 3> &moves) {
     return std::max({glm::length(moves[0]), glm::length(moves[1]), 0.5F * glm::length(moves[2])});
-}
-
-// Of each pixel the least of the values up to `reach` pixels away.
-void take_least_around(int width, int height, int reach, std::vector<float> &values) {
-    const auto along = [&](int count, int others, auto at) {
-        oneapi::tbb::parallel_for(0, others, [&](int other) {
-            std::vector<float> line(static_cast<std::size_t>(count));
-            for (int i = 0; i < count; ++i) {
-                float least = values[at(i, other)];
-                for (int j = std::max(i - reach, 0); j <= std::min(i + reach, count - 1); ++j) {
-                    least = std::min(least, values[at(j, other)]);
-                }
-                line[static_cast<std::size_t>(i)] = least;
-            }
-            for (int i = 0; i < count; ++i) {
-                values[at(i, other)] = line[static_cast<std::size_t>(i)];
-            }
-        });
-    };
-    const auto at = [width](int x, int y) {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    };
-    along(width, height, at);
-    along(height, width, [&at](int y, int x) { return at(x, y); });
 }
 
 // Marks where some eyes see what `sharp` shows in pixels that change: all of the boxes around those places.
@@ -328,37 +306,32 @@ std::vector<std::uint16_t> blurred_pixels(const Tracer &tracer, const Blur &blur
     });
     add_other_means(sharp, seen, looked, differs);
     mark_moved(movements, camera_of(tracer.view), sharp, changes, blurred);
-    take_least_around(sharp.width, sharp.height, AROUND, widths);
+    take_from_around(sharp.width, sharp.height, AROUND, std::less<>(), widths);
+    take_from_around(sharp.width, sharp.height, AROUND, std::greater<>(), differs);
     std::vector<std::uint16_t> samples(differs.size());
-    oneapi::tbb::parallel_for(0, sharp.height, [&](int y) {
-        for (int x = 0; x < sharp.width; ++x) {
-            const std::size_t pixel = sharp.at(x, y);
-            bool any = blurred[pixel] != 0;
-            for (int j = std::max(y - AROUND, 0); j <= std::min(y + AROUND, sharp.height - 1) && !any; ++j) {
-                const auto row = differs.begin() + static_cast<std::ptrdiff_t>(sharp.at(0, j));
-                any = std::any_of(row + std::max(x - AROUND, 0), row + std::min(x + AROUND + 1, sharp.width),
-                                  [](std::uint8_t each) { return each != 0; });
-            }
+    for (std::size_t pixel = 0; pixel < samples.size(); ++pixel) {
+        if (blurred[pixel] != 0 || differs[pixel] != 0) {
             const Eyes &eyes = widths[pixel] > wide ? blur.few : blur.many;
-            samples[pixel] = any ? static_cast<std::uint16_t>(eyes.count) : std::uint16_t{0};
+            samples[pixel] = static_cast<std::uint16_t>(eyes.count);
         }
-    });
+    }
     return samples;
 }
 
 Blurring::Blurring(const Tracer &tracer, const Blur &blur, const Film &film, std::span<const std::uint16_t> samples,
                    const Image &image)
     : tracer_(tracer), blur_(blur), film_(film), samples_(samples), image_(image), sums_(image.sums() + 1),
-      sum_(sums_ * samples.size()) {}
+      sum_(sums_ * samples.size()), few_(film_patterns(blur.few.count, film.filter)),
+      many_(film_patterns(blur.many.count, film.filter)) {}
 
 void Blurring::sample(int first, int last) {
-    sample(blur_.many, first, last);
+    sample(blur_.many, many_, first, last);
     if (blur_.few.count != blur_.many.count) {
-        sample(blur_.few, first, last);
+        sample(blur_.few, few_, first, last);
     }
 }
 
-void Blurring::sample(const Eyes &eyes, int first, int last) {
+void Blurring::sample(const Eyes &eyes, const FilmPatterns &patterns, int first, int last) {
     const int count = eyes.count;
     const Standing standing(static_cast<std::size_t>(count), film_, image_);
     const Movements movements(blur_.exposure, image_.width, image_.height);
@@ -370,7 +343,7 @@ void Blurring::sample(const Eyes &eyes, int first, int last) {
         if (pixels.empty()) {
             continue;
         }
-        const std::vector<FilmSample> pattern = film_samples(count, turn, film_.filter);
+        const std::vector<FilmSample> &pattern = patterns[static_cast<std::size_t>(turn)];
         for (int k = 0; k < count; ++k) {
             const std::size_t eye = eye_of(turn, k, count);
             const Tracer own = from(tracer_, eyes.view(eye));

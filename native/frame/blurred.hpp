@@ -73,7 +73,7 @@ public:
     void finish(Image &image) const;
 
 private:
-    void sample(const Eyes &eyes, int first, int last);
+    void sample(const Eyes &eyes, const FilmPatterns &patterns, int first, int last);
     void lay(int x, int y, const Image::Sample &values, const std::array<glm::vec2, 3> &moves, std::size_t seed);
     void add(int x, int y, const Image::Sample &values, std::int64_t weight);
 
@@ -84,6 +84,7 @@ private:
     const Image &image_;
     std::size_t sums_; // of a pixel: what a sample brings, and the weights
     std::vector<std::int64_t> sum_;
+    FilmPatterns few_, many_; // of these eyes
 };
 
 } // namespace sfumato

@@ -351,10 +351,14 @@ inline void add_from_others(const FromOthers &others, Reflected &light) {
 
 // To what light comes through, what is kept of that of others on the other side.
 inline void add_from_behind(const FrameView &frame, const Packet &packet, const Ray &ray, const Surface &surface,
-                            Mask asked, Reflected &light) {
+                            Mask asked, Reflected &light, Reflected *own = nullptr) {
     if (frame.surfaces.more && xsimd::any(asked & any_colour(surface.translucence))) {
         const Surface other = behind(surface);
-        add_from_others(from_others(frame, packet, ray, other, asked & other.hit, true), light);
+        const FromOthers others = from_others(frame, packet, ray, other, asked & other.hit, true);
+        add_from_others(others, light);
+        if (own != nullptr) {
+            add_from_others(others, *own);
+        }
     }
 }
 

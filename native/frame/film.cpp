@@ -88,4 +88,12 @@ std::vector<FilmSample> film_samples(int count, int turn, const Filter &filter) 
     return samples;
 }
 
+FilmPatterns film_patterns(int count, const Filter &filter) {
+    FilmPatterns patterns;
+    for (int turn = 0; turn < FILM_TURNS; ++turn) {
+        patterns.push_back(film_samples(count, turn, filter));
+    }
+    return patterns;
+}
+
 } // namespace sfumato

@@ -35,6 +35,10 @@ std::vector<FilmSample> film_samples(int count, int turn, const Filter &filter =
 
 constexpr int FILM_TURNS = 16;
 
+// The same of every turn.
+using FilmPatterns = std::vector<std::vector<FilmSample>>;
+FilmPatterns film_patterns(int count, const Filter &filter = {});
+
 // For a first look of one sample a pixel, through the pixel's centre: where on the lights, so that a shadow's rim shows
 // itself as a disagreement of neighbours. Repeats every 4 x 4 pixels.
 FilmSample first_look(int x, int y);

@@ -23,6 +23,13 @@ namespace {
 
 using RaysText = text::RaysText<float>;
 
+void see_from(const Camera &camera, FrameView &view) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        view.camera[i] = camera.near[i];
+        view.camera[3 + i] = camera.far[i];
+    }
+}
+
 } // namespace
 
 Frame::Frame(const Scene &scene, const FrameSettings &settings, std::shared_ptr<Prepared> prepared,
@@ -40,10 +47,7 @@ Frame::Views Frame::views(const Camera &camera, int width, int height, LayerSet 
     Views out;
     out.media = views_of(content_.media, step_length);
     FrameView &view = out.frame;
-    for (std::size_t i = 0; i < 3; ++i) {
-        view.camera[i] = camera.near[i];
-        view.camera[3 + i] = camera.far[i];
-    }
+    see_from(camera, view);
     view.surfaces = content_.surfaces->view();
     if (wanted.has(Layer::SHEETLESS)) {
         view.surfaces.sheets = {};
@@ -157,10 +161,7 @@ Blur Frame::blur_of(const Exposure &exposure, int width, int height, LayerSet wa
         all.resize(sorting ? std::min(SORTINGS, all.size()) : all.size());
         for (const Glimpse &eye : all) {
             FrameView view = out.moved.empty() ? sharp : out.moved.at(eye.time, eyes.lights.emplace_back());
-            for (std::size_t i = 0; i < 3; ++i) {
-                view.camera[i] = eye.camera.near[i];
-                view.camera[3 + i] = eye.camera.far[i];
-            }
+            see_from(eye.camera, view);
             if (sorting) {
                 const Views &own = sortings.emplace_back(
                     views(eye.camera, width, height, wanted, step_length_, film.filter.diameter() / 2.0));

@@ -110,6 +110,7 @@ SkyPixel sky_pixel(const SkyLayers &layers, std::size_t lane) {
             sky_part(layers.gloss, lane),
             {layers.normal[0][lane], layers.normal[1][lane], layers.normal[2][lane]}};
 }
+
 void find_around(const Image &image, int x, int y, const Layers &layers, std::size_t lane, Image::Sample &values) {
     const SkyPixel own = sky_pixel(layers.sky, lane);
     if (!own.lit()) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame/picture.hpp"
 
+#include "frame/around.hpp"
 #include "frame/blurred.hpp"
 #include "frame/looks.hpp"
 #include "frame/sample_packet.hpp"
@@ -9,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 #include <span>
 #include <utility>
@@ -124,10 +126,8 @@ Unsure unsure_of(const Image &image, int x, int y) {
     return fine ? Unsure::FINE : found;
 }
 
-using Patterns = std::vector<std::vector<FilmSample>>; // of each turn
-
 // Samples some pixels of a row: of each its own pattern, in as few packets as hold them all.
-void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patterns, Image &image,
+void refine_pixels(const Tracer &tracer, const Film &film, const FilmPatterns &patterns, Image &image,
                    std::span<const int> columns, int y) {
     const std::size_t count = patterns.front().size(), sums = image.sums();
     const Standing standing(count, film, image);
@@ -168,7 +168,7 @@ void refine_pixels(const Tracer &tracer, const Film &film, const Patterns &patte
 }
 
 // The same where it is only shadows that change: one ray a pixel, with as many looks at them.
-void refine_shadows(const Tracer &tracer, const Film &film, const Patterns &patterns, Image &image,
+void refine_shadows(const Tracer &tracer, const Film &film, const FilmPatterns &patterns, Image &image,
                     std::span<const int> columns, int y) {
     const auto width = static_cast<float>(image.width), height = static_cast<float>(image.height);
     const Standing standing(1, film, image);
@@ -229,26 +229,6 @@ int further(const Filter &filter) {
     return std::max(static_cast<int>(std::ceil(filter.diameter() / 2.0 - 0.5)) - 1, 0);
 }
 
-// Of each pixel the most unsure of those that are up to `reach` pixels away.
-void spread_unsure(const Image &image, int reach, std::vector<Unsure> &unsure) {
-    const auto along = [&](int count, int others, auto at) {
-        oneapi::tbb::parallel_for(0, others, [&](int other) {
-            std::vector<Unsure> line(static_cast<std::size_t>(count));
-            for (int i = 0; i < count; ++i) {
-                for (int j = std::max(i - reach, 0); j <= std::min(i + reach, count - 1); ++j) {
-                    line[static_cast<std::size_t>(i)] =
-                        std::max(line[static_cast<std::size_t>(i)], unsure[at(j, other)]);
-                }
-            }
-            for (int i = 0; i < count; ++i) {
-                unsure[at(i, other)] = line[static_cast<std::size_t>(i)];
-            }
-        });
-    };
-    along(image.width, image.height, [&image](int x, int y) { return image.at(x, y); });
-    along(image.height, image.width, [&image](int y, int x) { return image.at(x, y); });
-}
-
 // Which pixels one sample cannot tell: settled before any of them changes.
 std::vector<Unsure> unsure_pixels(const Film &film, const Image &image) {
     std::vector<Unsure> unsure(image.distance.size());
@@ -258,7 +238,7 @@ std::vector<Unsure> unsure_pixels(const Film &film, const Image &image) {
         }
     });
     if (const int reach = further(film.filter); reach > 0) {
-        spread_unsure(image, reach, unsure);
+        take_from_around(image.width, image.height, reach, std::greater<>(), unsure);
     }
     return unsure;
 }
@@ -275,14 +255,8 @@ std::vector<std::uint8_t> changing(std::span<const Unsure> unsure) {
 // none. False if progress said stop.
 bool refine(const Tracer &tracer, const Film &film, double done, double share, const Progress &progress,
             std::span<const Unsure> unsure, std::span<const std::uint16_t> blurred, Image &image) {
-    const auto patterns_of = [&film](int count) {
-        Patterns patterns;
-        for (int turn = 0; turn < FILM_TURNS; ++turn) {
-            patterns.push_back(film_samples(count, turn, film.filter));
-        }
-        return patterns;
-    };
-    const Patterns patterns = patterns_of(film.edge_samples), finer = patterns_of(2 * film.edge_samples);
+    const FilmPatterns patterns = film_patterns(film.edge_samples, film.filter),
+                       finer = film_patterns(2 * film.edge_samples, film.filter);
     // A pixel and its eight neighbours may all miss a thin shadow or a corner of a light; their neighbours' do not.
     const auto beside_shadow = [&](int x, int y) {
         for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.height - 1); ++j) {

@@ -79,8 +79,7 @@ void trace_surfaces(const FrameView &frame, LayerSet wanted, const Packet &packe
             others = from_others(frame, packet, ray, surface, shown, frame.bounces.settled);
             add_from_others(others, light);
             add_from_others(others, own);
-            add_from_behind(frame, packet, ray, surface, shown, light);
-            add_from_behind(frame, packet, ray, surface, shown, own);
+            add_from_behind(frame, packet, ray, surface, shown, light, &own);
         }
         if (radiance && !frame.surfaces.plain) {
             const Mask held = where(surface, [](const Visibility &v) { return v.seen == Seen::HOLDOUT; });
